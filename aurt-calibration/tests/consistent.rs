@@ -138,6 +138,37 @@ fn what_the_data_leave_open_stays_at_a_true_description() {
     assert!(masses[2] < 1.5 * truth[2] && is_told(&found), "{masses:?} {:?}", found.warnings);
 }
 
+/// A description has bodies and no rotors. Of the first two joints' rotors the model cannot have terms, for they are parts of
+/// the links; their inertia is not made of mass.
+#[test]
+fn rotors_that_no_description_has_leave_masses_as_they_are() {
+    let rotor_kg_m2 = [0.95, 0.95, 0.0, 0.0, 0.0, 0.0];
+    let truth = links().map(|link| link.mass_kg);
+    let standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
+    for weight in [0.1, 1.0, KnownBodies::USUAL_WEIGHT] {
+        let mut robot = KnownRobot::new(None);
+        let mut clean = robot.clean(0, 16.0);
+        for (joint, inertia) in rotor_kg_m2.iter().enumerate() {
+            let (q, last) = (&clean.position_rad[joint], clean.time_s.len() - 1);
+            for k in 0..=last {
+                let at = k.clamp(1, last - 1);
+                let acceleration = (q[at + 1] - 2.0 * q[at] + q[at - 1]) * known_robot::RATE_HZ.powi(2);
+                clean.measurement.as_mut().unwrap()[joint][k] += inertia * acceleration;
+            }
+        }
+        let recording = measured(&clean, "0", 7, Noise::White, 1.0, None);
+        robot.model = robot.model.with_known_bodies(KnownBodies { standard: standard.clone(), weight });
+        let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
+        is_machine(&robot, &found);
+        let report = found.consistent.as_ref().unwrap();
+        let masses: Vec<f64> = values(report).into_iter().skip(9).step_by(10).collect();
+        println!("weight {weight}: {masses:.2?}, χ² {:.1}, {} steps", report.loss, report.steps);
+        let furthest = masses.iter().zip(truth).map(|(m, t)| (m / t - 1.0).abs()).fold(0.0, f64::max);
+        assert!(furthest < 0.25, "{masses:?}");
+        assert!(report.loss < 2.0 * report.determined as f64, "{}", report.loss);
+    }
+}
+
 #[test]
 fn a_load_is_a_body_and_its_mass_no_worse() {
     let side = 2.8 / 12.0 * (0.1_f64.powi(2) + 0.1_f64.powi(2));

@@ -262,7 +262,7 @@ mod tests {
         let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
         assert!(made.success());
         assert_eq!(read_regular(&path, 1).unwrap_err().kind(), ErrorKind::InvalidInput);
-        let begin = std::time::Instant::now();
+        let begin = Instant::now();
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
         let once = open_regular(&path).unwrap_err();
@@ -283,7 +283,7 @@ mod tests {
                 drop(file);
             }
         });
-        let begin = std::time::Instant::now();
+        let begin = Instant::now();
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
         silent.join().unwrap();

@@ -134,8 +134,9 @@ pub enum RecordingError {
     },
     /// A cell that is not a finite number.
     #[error(
-        "{path}, line {line}, column {column}{name}: `{text}` is not a finite number{others}; {remedy}",
+        "{path}, line {line}, column {column}{name}: {cell}{others}; {remedy}",
         path = path.display(),
+        cell = cell(text),
         name = name.as_ref().map(|n| format!(" ({n})")).unwrap_or_default(),
         others = others(*rows)
     )]
@@ -487,6 +488,11 @@ fn part_or_meant(lacking: &[String], recorded: &[String], wanted: &[String]) -> 
 /// The way to read a file some of whose rows lack a number.
 pub(crate) const LEAVE_OUT: &str =
     "write drop = \"nan\" in [recordings] to leave such rows out, or correct them";
+
+/// A cell that is not a finite number, in words.
+fn cell(text: &str) -> String {
+    if text.is_empty() { "the cell is empty".to_owned() } else { format!("`{text}` is not a finite number") }
+}
 
 /// How many rows beside the first have the same problem.
 fn others(rows: usize) -> String {

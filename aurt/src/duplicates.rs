@@ -5,6 +5,7 @@ use std::{
     ops::Range,
 };
 
+use aurt_diagnosis::Role;
 use aurt_recording::Recording;
 
 use crate::{
@@ -106,7 +107,8 @@ impl SampleRegister {
         let whole = rolling(&hashes, hashes.len()).next().map_or(0, |(_, hash)| hash);
         // Of one recording windows say what is shared: what it repeats by itself does not matter.
         let same = |seen: &&Seen| seen.whole == whole;
-        let overlaps = |seen: &&Seen| seen.rows.start < used.rows.end && used.rows.start < seen.rows.end;
+        // Neighbouring windows may share the sample at which one ends and the other begins.
+        let overlaps = |seen: &&Seen| seen.rows.start + 1 < used.rows.end && used.rows.start + 1 < seen.rows.end;
         let rows = &hashes[used.rows.start.min(hashes.len())..used.rows.end.min(hashes.len())];
         let shared = self.seen.iter().filter(same).find(overlaps).or_else(|| {
             let found = self.lengths.iter().flat_map(|length| {
@@ -114,7 +116,9 @@ impl SampleRegister {
             });
             found.map(|place| &self.seen[*place]).find(|seen| seen.whole != whole)
         });
-        if let Some(seen) = shared {
+        // Each recording for validation is judged by itself.
+        let by_itself = |seen: &&Seen| seen.role == used.role && used.role == Role::Validation.name();
+        if let Some(seen) = shared.filter(|seen| !by_itself(seen)) {
             return Err(Error::Repeated {
                 recording: used.label.into(),
                 role: used.role,
@@ -192,6 +196,7 @@ mod tests {
         let mut register = SampleRegister::default();
         assert!(add(&mut register, &periodic, 0..200) && add(&mut register, &periodic, 200..400));
         assert!(!add(&mut register, &periodic, 390..500));
+        assert!(add(&mut register, &periodic, 399..500), "they share the sample between them");
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! The convex program of a robot: its variables, its bodies, and what of it is positive.
 
-use aurt_traits::{ColumnGroup, RobotModel};
+use aurt_traits::{BaseParameters, RobotModel};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 use super::{
     inside::inside,
-    prior::{ball, standard},
+    prior::{ball, rotor_columns, standard},
     program::{BodyMap, Positive, Program, Pull},
 };
 use crate::{
@@ -38,9 +38,10 @@ pub struct Fit<'a> {
 
 /// A program with what its variables y = (v, ξ) mean.
 ///
-/// v are the standard parameters that are not kept as base parameters (w), and the bodies' coefficients that the rows do
-/// not determine (u); ξ = R ζ_kept + B u − z are the rows' own coordinates. The kept standard parameters are
-/// π_k = ζ_k − Σ factor w, so that the data and what they leave open are apart exactly, not to rounding.
+/// v are the standard parameters that are not kept as base parameters (w), the bodies' coefficients that the rows do
+/// not determine (u), and the rotors that are part of the links (J); ξ = R ζ_kept + B u − z are the rows' own coordinates.
+/// The kept standard parameters are π_k = ζ_k − Σ factor w, so that the data and what they leave open are apart exactly,
+/// not to rounding.
 pub(super) struct Assembly {
     pub program: Program,
     /// A point inside.
@@ -55,6 +56,12 @@ pub(super) struct Assembly {
     pub names: Vec<String>,
 }
 
+/// The standard parameters of a thin disc about the z axis of a link, of unit inertia and no mass: what the rotor of the
+/// link's joint is as a part of the link.
+const ROTOR: [f64; 10] = [0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+/// The place of ZZ among the standard parameters of a body.
+const ABOUT_AXIS: usize = 5;
+
 /// What a program is made from.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
@@ -65,12 +72,14 @@ pub(super) struct Ground<'a> {
     pub pull: Pull,
     /// That of the links; nothing is known of loads.
     pub pull_weight: f64,
+    /// Links whose rotor is neither in the prior nor a term of the model.
+    pub rotors: &'a [usize],
 }
 
 impl Assembly {
     pub(super) fn new(ground: Ground<'_>) -> Result<Self, CalibrationError> {
-        let Ground { fit, triangle, prior, pull, pull_weight } = ground;
-        let Fit { model, scale, ranges, options, .. } = *fit;
+        let Ground { fit, triangle, prior, pull, pull_weight, rotors } = ground;
+        let Fit { model, scale, .. } = *fit;
         let n = model.parameters().len();
         let base = model.base();
         let m = triangle.kept.len();
@@ -79,10 +88,9 @@ impl Assembly {
         let silent: Vec<(usize, usize)> =
             triangle.others.iter().copied().enumerate().filter(|(_, c)| of_body(*c)).collect();
         let all = model.rigid_body().standard_parameters().len();
-        let mut place_of = vec![None; all];
         let open: Vec<usize> = (0..all).filter(|p| !base.columns.contains(p)).collect();
-        open.iter().enumerate().for_each(|(w, p)| place_of[*p] = Some(w));
-        let free = open.len() + silent.len();
+        let first_rotor = open.len() + silent.len();
+        let free = first_rotor + rotors.len();
         let variables = free + m;
 
         // ζ_kept = R⁻¹ (ξ + z − B u).
@@ -104,33 +112,24 @@ impl Assembly {
             of[(*column, open.len() + j)] = 1.0;
         }
 
-        let mut standard_of_variables = DMatrix::zeros(all, variables);
-        let mut standard_at = DVector::zeros(all);
-        for (p, w) in place_of.iter().enumerate().filter_map(|(p, w)| w.map(|w| (p, w))) {
-            standard_of_variables[(p, w)] = 1.0;
-        }
-        for (k, (column, parts)) in base.columns.iter().zip(&base.combinations).enumerate() {
-            standard_of_variables.row_mut(*column).copy_from(&of.row(k));
-            standard_at[*column] = at[k];
-            for (part, factor) in parts.iter().filter(|(part, _)| part != column) {
-                if let Some(w) = place_of[*part] {
-                    standard_of_variables[(*column, w)] -= factor;
-                }
-            }
-        }
+        let (standard_of_variables, standard_at) = standard_map(base, all, &open, (&of, &at));
 
         let mut bodies = Vec::new();
         let mut names = Vec::new();
         for (link, (indices, prior)) in model.rigid_body().bodies().iter().zip(prior).enumerate() {
+            let mut of = standard_of_variables.select_rows(indices);
+            if let Some(r) = rotors.iter().position(|own| *own == link) {
+                of.set_column(first_rotor + r, &-Standard::from(ROTOR));
+            }
             bodies.push(BodyMap {
-                of: standard_of_variables.select_rows(indices),
+                of,
                 at: Standard::from_iterator(indices.iter().map(|i| standard_at[*i])),
                 prior: *prior,
                 pull_weight,
             });
             names.push(format!("link {link}"));
         }
-        let mut rows: Vec<(Option<usize>, DVector<f64>)> = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         let mut begin = at.clone();
         for body in &loads {
             let columns = body.places.map(|p| p.map(|p| body.columns.start + p));
@@ -151,24 +150,20 @@ impl Assembly {
             names.push(format!("load on link {}", body.link));
             whole.iter().zip(standard_of(&guess).iter()).for_each(|(c, v)| begin[*c] = sign * v);
         }
-        for (group, columns) in model.groups() {
-            let is_motor = matches!(group, ColumnGroup::ArmTerm(k) if !model.arm_terms()[*k].is_load());
-            for c in columns.clone().filter(|c| is_motor && model.parameters()[*c].unit == "kg m^2") {
-                rows.push((None, unit(n, c, 1.0)));
-            }
-        }
-        for joint in 0..model.joints() {
-            let braking = braking_rows(model, joint, &ranges[joint], options.rest_velocity_rad_s)?;
-            rows.extend(braking.into_iter().map(|row| (Some(joint), DVector::from_vec(row))));
-        }
+        rows.extend(signed(fit)?);
         let estimated: Vec<bool> = (0..n).map(|c| of.row(c).iter().any(|v| *v != 0.0)).collect();
         let undecided = inside(&mut rows, &estimated, &mut begin);
-        let positive =
+        let mut positive: Vec<Positive> =
             rows.into_iter().map(|(_, row)| Positive { at: row.dot(&at), of: of.tr_mul(&row) }).collect();
+        positive.extend((first_rotor..free).map(|r| Positive { at: 0.0, of: unit(variables, r, 1.0) }));
 
-        let guessed = standard(model, prior);
-        begin.rows_mut(0, base.len()).copy_from_slice(&base.values(&guessed));
+        let mut guessed = standard(model, prior);
         let mut start = DVector::zeros(variables);
+        let links = model.rigid_body().bodies();
+        for (r, link) in rotors.iter().enumerate() {
+            start[first_rotor + r] = add_rotor(&mut guessed, &links[*link]);
+        }
+        begin.rows_mut(0, base.len()).copy_from_slice(&base.values(&guessed));
         open.iter().enumerate().for_each(|(w, p)| start[w] = guessed[*p]);
         let mut others = DVector::zeros(triangle.others.len());
         for (j, (k, column)) in silent.iter().enumerate() {
@@ -187,6 +182,54 @@ impl Assembly {
             names,
         })
     }
+}
+
+/// The standard parameters, from the coefficients (ζ = Z y + z₀) and those of them that are `open`, which are variables.
+fn standard_map(
+    base: &BaseParameters,
+    all: usize,
+    open: &[usize],
+    (of, at): (&DMatrix<f64>, &DVector<f64>),
+) -> (DMatrix<f64>, DVector<f64>) {
+    let mut place_of = vec![None; all];
+    let mut standard_of = DMatrix::zeros(all, of.ncols());
+    let mut standard_at = DVector::zeros(all);
+    for (w, p) in open.iter().enumerate() {
+        place_of[*p] = Some(w);
+        standard_of[(*p, w)] = 1.0;
+    }
+    for (k, (column, parts)) in base.columns.iter().zip(&base.combinations).enumerate() {
+        standard_of.row_mut(*column).copy_from(&of.row(k));
+        standard_at[*column] = at[k];
+        for (part, factor) in parts.iter().filter(|(part, _)| part != column) {
+            if let Some(w) = place_of[*part] {
+                standard_of[(*column, w)] -= factor;
+            }
+        }
+    }
+    (standard_of, standard_at)
+}
+
+/// A condition on the coefficients, a·ζ > 0, and the joint that it is of.
+type Row = (Option<usize>, DVector<f64>);
+
+/// Rotors have positive inertia, and friction brakes.
+fn signed(fit: &Fit<'_>) -> Result<Vec<Row>, CalibrationError> {
+    let model = fit.model;
+    let n = model.parameters().len();
+    let mut rows: Vec<Row> = rotor_columns(model).into_iter().map(|c| (None, unit(n, c, 1.0))).collect();
+    for joint in 0..model.joints() {
+        let braking = braking_rows(model, joint, &fit.ranges[joint], fit.options.rest_velocity_rad_s)?;
+        rows.extend(braking.into_iter().map(|row| (Some(joint), DVector::from_vec(row))));
+    }
+    Ok(rows)
+}
+
+/// Adds a rotor to a link, of as much inertia as the link has about the axis, which is returned.
+fn add_rotor(standard: &mut [f64], link: &[usize; 10]) -> f64 {
+    let inertia = standard[link[ABOUT_AXIS]];
+    link.iter().zip(ROTOR).for_each(|(p, v)| standard[*p] += inertia * v);
+    inertia
 }
 
 fn unit(n: usize, at: usize, value: f64) -> DVector<f64> {

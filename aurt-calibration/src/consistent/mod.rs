@@ -7,6 +7,10 @@
 //!
 //! min ½ χ²(π) + μ [Σ_l (tr P₀⁻¹P_l − log det P₀⁻¹P_l) − Σ_k log (a_kᵀ ζ)],   μ → 0.
 //!
+//! Descriptions rarely have rotors, and where the model has no term for them either, they are a part of the links in the
+//! data. So that the pull does not make mass of them, P_l − J_l D_l is what a prior pulls, with J_l ≥ 0 and D_l a thin
+//! disc without mass about the joint's axis.
+//!
 //! The path is followed until χ² is within a stated amount of the least, so that base parameters stay where the data put
 //! them wherever a machine can be there. Sources: Wensing, Kim, Slotine (IEEE RA-L 2018); Lee, Wensing, Park (IEEE T-RO
 //! 2020); Sousa, Cortesão (Int. J. Robotics Research 2014); Boyd, Vandenberghe, *Convex Optimization*, chapter 11.
@@ -29,7 +33,7 @@ pub use report::{ConsistentReport, Moved, StandardEstimate};
 
 use self::{
     assembly::{Assembly, Ground},
-    prior::guessed,
+    prior::{guessed, rotors_of_links},
 };
 use crate::CalibrationError;
 
@@ -55,6 +59,7 @@ pub fn make_consistent(
         prior: &bodies,
         pull: prior.map_or_else(Pull::default, |p| p.pull),
         pull_weight: prior.map_or(0.0, |p| p.weight),
+        rotors: &prior.map_or_else(Vec::new, |_| rotors_of_links(fit.model)),
     })?;
     let reached =
         assembly.program.solve(assembly.start.clone(), 0.5 * LOSS).ok_or(CalibrationError::Inconsistent)?;

@@ -1,6 +1,6 @@
 //! Bodies as they are known, or guessed, before any recording.
 
-use aurt_traits::{MeasurementUnit, RobotModel};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use nalgebra::Matrix4;
 use thiserror::Error;
 
@@ -92,6 +92,23 @@ impl Prior {
             })
             .collect()
     }
+}
+
+/// Links whose joint turns and has a rotor of which neither a description of bodies nor the model's terms have a word: its
+/// inertia is part of the link in the data, as far as these determine it.
+pub(super) fn rotors_of_links(model: &RobotModel) -> Vec<usize> {
+    let body = model.rigid_body();
+    let own = rotor_columns(model);
+    let has_own = |joint: usize| own.iter().any(|c| model.row_columns(joint).contains(c));
+    (0..body.joints().min(body.bodies().len())).filter(|j| !body.slides(*j) && !has_own(*j)).collect()
+}
+
+/// The inertias of rotors among the coefficients.
+pub(super) fn rotor_columns(model: &RobotModel) -> Vec<usize> {
+    let is_motor =
+        |group: &ColumnGroup| matches!(group, ColumnGroup::ArmTerm(k) if !model.arm_terms()[*k].is_load());
+    let columns = model.groups().iter().filter(|(group, _)| is_motor(group)).flat_map(|(_, c)| c.clone());
+    columns.filter(|c| model.parameters()[*c].unit == "kg m^2").collect()
 }
 
 /// Without a prior: for every link a ball about the origin of its frame, its size of the order of the arm's links, its mass

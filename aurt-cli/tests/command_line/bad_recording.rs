@@ -55,7 +55,7 @@ fn a_missing_column() {
 fn cells_that_are_no_numbers() {
     refusal(
         at(100, |l| with_cell(l, 3, "nan")),
-        &["line 100, column 3", "actual_q_1", "nan", "delete the row"],
+        &["line 100, column 3", "actual_q_1", "nan", "drop = \"nan\""],
     );
     refusal(at(101, |l| with_cell(l, 13, "inf")), &["line 101, column 13", "actual_current_5"]);
     refusal(at(102, |l| with_cell(l, 2, "")), &["line 102, column 2", "empty"]);

@@ -136,11 +136,11 @@ fn a_coupled_arm_that_lacks_nothing_is_told_so() {
     let (folder, verdict) = verdict_after(None);
     assert_eq!(verdict["verdict"], "no_mismatch", "{verdict}");
     // How sure that is can be asked of it as of every robot.
-    let asked = ["sensitivity", "experiment.toml", "--effects", "payload,joint_elasticity", "--joints", "1"];
+    let asked = ["sensitivity", "experiment.toml", "--effects", "spring,joint_elasticity", "--joints", "1"];
     folder.aurt(asked.into_iter().chain(["--out", "sensitivity", "--quiet"])).succeeded();
     let limits = folder.json("sensitivity/sensitivity.json")["limits"].clone();
-    let payload = limits.as_array().unwrap().iter().find(|row| row["effect"] == "payload").unwrap();
-    assert_eq!((&payload["status"], &payload["unit"]), (&json!("named"), &json!("kg")), "{payload}");
+    let spring = limits.as_array().unwrap().iter().find(|row| row["effect"] == "spring").unwrap();
+    assert_eq!((&spring["status"], &spring["unit"]), (&json!("named"), &json!("Nm/rad")), "{spring}");
 }
 
 /// The bracket keeps its direction: of a load on it the mass alone makes torque.

@@ -165,7 +165,7 @@ fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
     assert!(said.lines().take_while(|l| !l.starts_with("added")).all(|l| l.chars().count() <= 80), "{said}");
     let page = folder.read("out/report.html");
     for words in [
-        "Nothing has changed; what the model lacks",
+        "Nothing has changed; in all recordings the model lacks",
         "Changed in the target: nothing.",
         "Missing in all recordings:",
     ] {

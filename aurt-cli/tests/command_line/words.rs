@@ -53,7 +53,7 @@ fn models_are_explained_and_unknown_ones_suggested() {
     for word in [
         "K_p d(r + b − q)",
         "back_emf_nm_s_per_rad",
-        "K_e: braking by the back-EMF",
+        "K_e: braking",
         "coulomb_nm",
         "command = \"hold\"",
     ] {

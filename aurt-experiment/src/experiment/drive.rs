@@ -207,7 +207,7 @@ mod tests {
             ("model = \"pd_law\"\ndelay_s = -1", "", "must lie within 0 and 0.5, is -1"),
             ("model = \"pd_law\"\ndelay_s = [0.1]", "", "delay_s"),
             ("model = \"pd_law\"\nestimate = [\"dead_band_rad\"]", "", "which this drive does not have"),
-            ("model = \"pd_law\"\ncommand = \"held\"", "", "did you mean \"hold\""),
+            ("model = \"pd_law\"\ncommand = \"held\"", "", "did you mean `hold`"),
             (
                 "model = \"position_servo\"\ndamping_nm_s_per_rad = 0.3",
                 "",

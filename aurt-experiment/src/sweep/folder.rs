@@ -212,9 +212,10 @@ impl Folder {
             fs::create_dir_all(&path).map_err(|source| SweepError::Write { path, source })?;
         }
         let source = sweep.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let source = aurt_files::harmless(&source);
         for (k, point) in sweep.points.iter().enumerate() {
-            let text =
-                format!("# Point {} of the sweep of {source}: {}\n\n{}", k + 1, point.name, point.text);
+            let name = aurt_files::harmless(&point.name);
+            let text = format!("# Point {} of the sweep of {source}: {name}\n\n{}", k + 1, point.text);
             write_whole(&self.point_file(k + 1), text.as_bytes())?;
         }
         let mut beyond = sweep.points.len() + 1;

@@ -21,8 +21,8 @@ const SIGNALS: [(CommandSignal, &str); 2] =
     [(CommandSignal::Hold, "hold"), (CommandSignal::Linear, "linear")];
 
 /// Checks the recordings of an experiment and tells how its commands act between two rows: the drive is estimated with commands
-/// that hold and with commands on the line between two, both with a delay, and the positions decide (those held out, else those
-/// fitted).
+/// that hold and with commands on the line between two, both with a delay, and the positions of all recordings decide: both have
+/// the same numbers to fit.
 ///
 /// # Errors
 /// Why it could not be done.
@@ -30,11 +30,9 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
     let recordings = read_all(experiment, &arm, &mut notes, progress)?;
-    let of = |held_out: bool| -> Vec<DriveRecording> {
-        recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
-    };
-    let (fitted, held_out) = (of(false), of(true));
-    let judging = if held_out.is_empty() { &fitted } else { &held_out };
+    let fitted: Vec<DriveRecording> =
+        recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
+    let all: Vec<DriveRecording> = recordings.iter().map(|r| r.recording.clone()).collect();
     let options = options_of(experiment);
     let selection = with_delay(&drive.selection);
     let failed = |error| of_drive(&error, experiment, &recordings);
@@ -43,7 +41,7 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
         progress.step(format!("estimating with command = \"{name}\""));
         let arm = aurt_calibration::drives::DrivenArm { command, ..arm.clone() };
         let fit = output_error(&arm, &selection, &fitted, &options).map_err(failed)?;
-        let missed = Missed::of(&fit.arm, judging, &options).map_err(failed)?;
+        let missed = Missed::of(&fit.arm, &all, &options).map_err(failed)?;
         tried.push((name, fit, missed));
     }
     let [hold, linear] = &tried[..] else { return Err(without_drive(experiment)) };

@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn joints_that_rest_and_clocks_that_differ_are_told() {
-        let doubts = |recording: &DriveRecording| super::doubts(recording, CommandSignal::Linear);
+        let doubts = |recording: &DriveRecording| doubts(recording, CommandSignal::Linear);
         assert!(doubts(&recording(4, 1.0)).is_empty());
         assert!(doubts(&recording(40, 1.0))[0].contains("follow their commands by 0.80 s"));
         let mut early = recording(30, 1.0);

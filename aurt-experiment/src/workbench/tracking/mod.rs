@@ -220,6 +220,8 @@ pub fn track(
     drop(unchanged);
     let baseline = Baseline::learn(&motions)?;
     follower.chart(&baseline);
+    // A recording of the unchanged machine may be followed: it shows what no change looks like.
+    let mut samples = SampleRegister::default();
     // Files of one machine are alike: what the experiment says of columns and units holds for these.
     for followed in recordings {
         let is_running = followed.is_running();
