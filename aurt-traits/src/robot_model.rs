@@ -38,8 +38,8 @@ pub struct KnownBodies {
 }
 
 impl KnownBodies {
-    /// The weight where nothing else is said: masses and second moments are known to 30 %.
-    pub const USUAL_WEIGHT: f64 = 10.0;
+    /// The weight where nothing else is said: masses and second moments are known to 20 %.
+    pub const USUAL_WEIGHT: f64 = 25.0;
 }
 
 /// What a run of coefficients belongs to.
