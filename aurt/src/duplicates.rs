@@ -108,7 +108,8 @@ impl SampleRegister {
         // Of one recording windows say what is shared: what it repeats by itself does not matter.
         let same = |seen: &&Seen| seen.whole == whole;
         // Neighbouring windows may share the sample at which one ends and the other begins.
-        let overlaps = |seen: &&Seen| seen.rows.start + 1 < used.rows.end && used.rows.start + 1 < seen.rows.end;
+        let overlaps =
+            |seen: &&Seen| seen.rows.start + 1 < used.rows.end && used.rows.start + 1 < seen.rows.end;
         let rows = &hashes[used.rows.start.min(hashes.len())..used.rows.end.min(hashes.len())];
         let shared = self.seen.iter().filter(same).find(overlaps).or_else(|| {
             let found = self.lengths.iter().flat_map(|length| {

@@ -83,7 +83,9 @@ fn noise_of_the_positions_is_told() {
     let text = folder.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 8.0");
     folder.write("experiment.toml", &text);
     let (said, bias) = run("coarse");
-    for words in ["position noise biases", "which suits the motion", "% of the power of the accelerations of joint"] {
+    for words in
+        ["position noise biases", "which suits the motion", "% of the power of the accelerations of joint"]
+    {
         assert!(said.contains(words), "`{words}` is missing in {said}");
     }
     let step_rad = bias["joints"][1]["step_rad"].as_f64().unwrap();

@@ -44,7 +44,7 @@ const LINES: [&str; 31] = [
     "export urdf MODEL --name arm --out urdf",
     "export mjcf MODEL --name arm --out mjcf",
     "export sdf MODEL --name arm --out sdf",
-    "export fmu MODEL --name arm --out fmu",
+    "export fmu MODEL --kind inverse --name arm --out fmu",
     "excite --robot ur10e --duration-s 5 --seed 1 --out motion.csv",
     "models",
     "robots",

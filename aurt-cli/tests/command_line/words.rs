@@ -50,13 +50,9 @@ fn models_are_explained_and_unknown_ones_suggested() {
     }
     // Keys of drives stand beside the symbols of their equation.
     let servo = folder.aurt(["explain", "position_servo"]).succeeded().stdout();
-    for word in [
-        "K_p d(r + b − q)",
-        "back_emf_nm_s_per_rad",
-        "K_e: braking",
-        "coulomb_nm",
-        "command = \"hold\"",
-    ] {
+    for word in
+        ["K_p d(r + b − q)", "back_emf_nm_s_per_rad", "K_e: braking", "coulomb_nm", "command = \"hold\""]
+    {
         assert!(servo.contains(word), "`{word}` is missing in\n{servo}");
     }
     for drive in ["current", "pd_law", "torque", "voltage"] {

@@ -108,8 +108,8 @@ const KNOWN_CENTRE_M: f64 = 0.05;
 fn wording(parameters: &Parameters, measured: MeasurementUnit, names: RobotNames<'_>) -> Wording {
     let link = parameters.get("link").and_then(|link| link.value.as_f64());
     let on = link.map_or_else(|| "a link".to_owned(), |link| names.link(link as usize));
-    let mass = parameters.get("mass_kg").filter(|_| parameters.contains_key("com_m"));
-    let Some((value, std)) = mass.and_then(|mass| Some((mass.value.as_f64()?, mass.std.as_f64()))) else {
+    let mass = parameters.get("mass_kg").and_then(|mass| Some((mass.value.as_f64()?, mass.std.as_f64())));
+    let Some((value, std)) = mass.filter(|(value, std)| is_determined(*value, std.unwrap_or(0.0))) else {
         return Wording {
             phrase: format!("a load of undetermined mass on {on}"),
             detail: first_moment(parameters).unwrap_or_default(),

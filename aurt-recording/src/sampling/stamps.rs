@@ -34,8 +34,8 @@ impl fmt::Display for StampUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let factor = self.unit.seconds() / self.read_in.seconds();
         let number = |value: f64| match value {
-            v if (1e3..1e7).contains(&v) => format!("{v:.0}"),
-            v if (0.01..1e3).contains(&v) => format!("{}", (v * 1e3).round() / 1e3),
+            v if (100.0..1e7).contains(&v) => format!("{v:.0}"),
+            v if (0.01..100.0).contains(&v) => format!("{}", (v * 1e3).round() / 1e3),
             v => format!("{v:.1e}"),
         };
         write!(
