@@ -152,7 +152,8 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
 
     // A file of earlier versions: K_e under its former name, commands on the line between two rows.
     let former = fs::read_to_string(&file).unwrap().replace("back_emf_nm_s_per_rad", "damping_nm_s_per_rad");
-    fs::write(&file, former.replace("\"command\": \"hold\",", "")).unwrap();
+    let (before, after) = former.split_once("\"command\": \"hold\"").unwrap();
+    fs::write(&file, before.trim_end().trim_end_matches(',').to_owned() + after).unwrap();
     let former = CalibratedDrive::read(&file).unwrap().unwrap().arm;
     assert_eq!(former.command, CommandSignal::Linear);
     assert_eq!(former.numbers(), model.arm.numbers());
