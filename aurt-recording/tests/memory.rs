@@ -54,7 +54,8 @@ fn arrays_of_zeros_are_refused_with_what_they_need() {
     assert!(path.metadata().unwrap().len() < MEGABYTE / 32);
     let bytes = needed(&path, 8 * MEGABYTE);
     assert_eq!(bytes, 16 * 3 * rows as u64);
-    assert_eq!(read(&path, bytes).unwrap(), rows);
+    // Rows that are equal, stamps included, are one.
+    assert_eq!(read(&path, bytes).unwrap(), 1);
 }
 
 #[test]
@@ -68,7 +69,7 @@ fn arrays_that_are_not_needed_take_neither_time_nor_memory() {
     ];
     let path = npz(folder.path(), &shapes);
     let begin = std::time::Instant::now();
-    assert_eq!(read(&path, MEGABYTE).unwrap(), 20);
+    assert_eq!(read(&path, MEGABYTE).unwrap(), 1);
     assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
 
@@ -108,7 +109,7 @@ fn variables_of_zeros_are_refused_with_what_they_need() {
     let path = mat(folder.path(), &[("t", 300_000), ("q_0", 300_000), ("unused", 3_000_000)]);
     let bytes = needed(&path, 4 * MEGABYTE);
     assert_eq!(bytes, 16 * 2 * 300_000);
-    assert_eq!(read(&path, bytes).unwrap(), 300_000);
+    assert_eq!(read(&path, bytes).unwrap(), 1);
 }
 
 /// A message of one joint in a chunk that zstd shrinks to nothing, and a table of constant columns.

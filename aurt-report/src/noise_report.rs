@@ -4,10 +4,10 @@
 use aurt::Asked;
 use aurt_diagnosis::{Answer, Verdict};
 
-use crate::{figure::Shade, page::Tone};
-
-/// An error up to this multiple of the noise floor is within noise.
-pub const NOISE_LIMIT: f64 = 1.5;
+use crate::{
+    figure::{NOISE_LIMIT, Shade},
+    page::Tone,
+};
 
 /// A joint's error with the claimed effects, against its noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -22,7 +22,7 @@ use std::{
 
 use crate::output::{
     STAGED, WriteError,
-    staging::{folder_of, meant},
+    target::{folder_of, meant},
 };
 
 /// What names of claims end with.

@@ -23,6 +23,7 @@
 mod claim;
 mod json;
 mod staging;
+mod target;
 
 use std::{
     collections::BTreeSet,
@@ -43,7 +44,8 @@ pub use crate::output::{
 };
 use crate::output::{
     claim::{abandon_claims, make_folders},
-    staging::{Published, Staged, folder_of, meant, sync_folder, write_special},
+    staging::{Published, Staged, sync_folder, write_special},
+    target::{folder_of, meant},
 };
 
 /// Beginning of the names of private folders.

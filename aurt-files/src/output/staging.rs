@@ -2,19 +2,11 @@
 
 use std::{
     fs::{self, File},
-    io::{self, ErrorKind, Write},
+    io::{ErrorKind, Write},
     path::{Path, PathBuf},
 };
 
-use crate::output::{Durability, WriteError, claim::Claim};
-
-/// The folder that a path lies in.
-pub(crate) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
+use crate::output::{Durability, WriteError, claim::Claim, target::folder_of};
 
 /// Asks the disk to keep the names in a folder. Systems whose folders cannot be opened keep them anyway.
 pub(crate) fn sync_folder(folder: &Path) {
@@ -163,22 +155,4 @@ pub fn is_named_pipe(path: &Path) -> bool {
 #[must_use]
 pub fn is_named_pipe(_path: &Path) -> bool {
     false
-}
-
-/// The file that a path means: links keep their place, and what they point to is replaced, or made if it is not there
-/// yet.
-pub(crate) fn meant(path: &Path) -> io::Result<PathBuf> {
-    fs::canonicalize(path).or_else(|_| linked(path))
-}
-
-/// Where a link leads that leads nowhere yet; the path itself if it is no link.
-fn linked(path: &Path) -> io::Result<PathBuf> {
-    let Ok(target) = fs::read_link(path) else { return Ok(path.to_owned()) };
-    let target = folder_of(path).join(target);
-    match fs::symlink_metadata(&target) {
-        Ok(found) if found.is_symlink() => {
-            Err(io::Error::other("it is a link to a link that leads nowhere; name the file itself"))
-        }
-        _ => Ok(target),
-    }
 }

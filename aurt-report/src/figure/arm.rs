@@ -7,7 +7,7 @@ use super::{
     drawing::{self, Sample, text},
     scale::coordinate,
 };
-use crate::{escape, noise_report::NOISE_LIMIT};
+use crate::escape;
 
 /// An arm, drawn once for each state of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +47,8 @@ impl Shade {
     }
 }
 
+/// An error up to this multiple of the noise floor is within noise.
+pub const NOISE_LIMIT: f64 = 1.5;
 /// Multiples up to which each colour reaches; beyond the last one there is one more.
 pub const LEVELS: [f64; 3] = [NOISE_LIMIT, 3.0, 6.0];
 

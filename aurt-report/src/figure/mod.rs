@@ -8,7 +8,7 @@ mod reduce;
 mod scale;
 mod style;
 
-pub use arm::{Arm, Shade};
+pub use arm::{Arm, NOISE_LIMIT, Shade};
 pub use bars::{BarGroup, Bars};
 pub use plot::{Axis, Layer, Panel, Plot, Window};
 pub use reduce::{decimated, quantile_means, subsample};

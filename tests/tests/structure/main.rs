@@ -228,11 +228,12 @@ const OPENING: [&str; 6] = [
     "aurt-files/src/output",
     "aurt-plugins/src",
     "aurt-export/src/fmu/library.rs",
-    "aurt-cli/src/supervised.rs",
-    "laboratory",
+    "aurt-experiment/src/workbench/exporting.rs",
+    "aurt-lab",
 ];
 /// Files that write to a terminal.
-const SHOWING: [&str; 2] = ["aurt-cli/src/rendering/terminal.rs", "laboratory"];
+const SHOWING: [&str; 3] =
+    ["aurt-cli/src/rendering/terminal.rs", "aurt-cli/src/rendering/progress.rs", "aurt-lab"];
 
 /// A file of a user that is opened past `aurt_files`, and text that is shown past the one writer, have no bounds.
 #[test]

@@ -1,0 +1,32 @@
+//! The places that paths mean.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// The folder that a path lies in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The file that a path means: links keep their place, and what they point to is replaced, or made if it is not there
+/// yet.
+pub(crate) fn meant(path: &Path) -> io::Result<PathBuf> {
+    fs::canonicalize(path).or_else(|_| linked(path))
+}
+
+/// Where a link leads that leads nowhere yet; the path itself if it is no link.
+fn linked(path: &Path) -> io::Result<PathBuf> {
+    let Ok(target) = fs::read_link(path) else { return Ok(path.to_owned()) };
+    let target = folder_of(path).join(target);
+    match fs::symlink_metadata(&target) {
+        Ok(found) if found.is_symlink() => {
+            Err(io::Error::other("it is a link to a link that leads nowhere; name the file itself"))
+        }
+        _ => Ok(target),
+    }
+}
