@@ -140,7 +140,10 @@ fn first_moment(parameters: &Parameters) -> Option<String> {
     let (values, std) = vector(parameters.get("first_moment_kg_m")?)?;
     let values: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
     std.is_finite().then(|| {
-        format!("first moment [{}] ± {std:.4} kg m in the frame of its joint, z along the axis", values.join(", "))
+        format!(
+            "first moment [{}] ± {std:.4} kg m in the frame of its joint, z along the axis",
+            values.join(", ")
+        )
     })
 }
 
@@ -149,7 +152,10 @@ fn centre(parameters: &Parameters) -> Option<String> {
     let (values, std) = vector(parameters.get("com_m")?)?;
     (std.is_finite() && std <= KNOWN_CENTRE_M).then(|| {
         let values: Vec<String> = values.iter().map(|v| format!("{v:.3}")).collect();
-        format!("centre of mass [{}] ± {std:.3} m in the frame of its joint, z along the axis", values.join(", "))
+        format!(
+            "centre of mass [{}] ± {std:.3} m in the frame of its joint, z along the axis",
+            values.join(", ")
+        )
     })
 }
 
@@ -200,14 +206,16 @@ mod tests {
         assert_eq!(excludes(&hung, 1.0), None);
         // What is left of a mass by rounding gives no centre of mass.
         for mass in [(1e-14, 1e-14), (0.0, f64::INFINITY), (0.1, 0.3)] {
-            let turned = of([("m", mass.0, mass.1), ("mX", 0.4, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
+            let turned =
+                of([("m", mass.0, mass.1), ("mX", 0.4, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
             assert!(!turned.contains_key("com_m"), "{turned:?}");
             assert_eq!(turned["first_moment_kg_m"].value[0], 0.4);
             assert_eq!(excludes(&turned, 1.0), None);
             let said = wording(&turned, MeasurementUnit::NewtonMetre, RobotNames::default());
             assert!(said.phrase.contains("of undetermined mass"), "{said:?}");
         }
-        let nothing = of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
+        let nothing =
+            of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
         assert!(excludes(&nothing, 1.0).unwrap().contains("two standard deviations"), "{nothing:?}");
     }
 

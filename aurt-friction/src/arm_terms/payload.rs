@@ -212,7 +212,9 @@ impl ArmTerm for Payload {
         let scale = scale(series);
         for column in 0..out.columns() {
             let values = out.column_mut(column).iter_mut().zip(&scale);
-            values.filter(|(value, scale)| value.abs() <= ROUNDING * **scale).for_each(|(value, _)| *value = 0.0);
+            values
+                .filter(|(value, scale)| value.abs() <= ROUNDING * **scale)
+                .for_each(|(value, _)| *value = 0.0);
         }
         Ok(())
     }
