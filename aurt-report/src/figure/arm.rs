@@ -35,7 +35,7 @@ pub struct Arm {
 pub struct Shade {
     /// The multiple of the level.
     pub multiple: f64,
-    /// Its colour, from 0 to [`LEVELS`]`.len()`.
+    /// Its colour, from 0 to the number of colours.
     pub level: usize,
 }
 
