@@ -60,7 +60,7 @@ layout! {
     Description as "aurt_description" {
         column_count, columns, shape_count, shapes, state_len, invariants, is_load, joint_count, joints, acts_on,
     }
-    ModelTable as "aurt_plugins::model" {
+    ModelTable as "aurt_model" {
         slot, reserved, name, summary, equation, use_when, source, example, create, destroy, describe, set_shape,
         initial_state, evaluate,
     }
