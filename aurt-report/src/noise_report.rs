@@ -101,7 +101,7 @@ impl NoiseReport {
         let answers = [Some(verdict.verdict), verdict.structure.filter(|_| asked == Asked::Change)];
         let has = |wanted: &[Answer]| answers.iter().flatten().any(|answer| wanted.contains(answer));
         let is_judged = self.joints.iter().any(|joint| joint.state != NoiseState::NotJudged);
-        if has(&[Answer::Unexplained]) {
+        if has(&[Answer::Unexplained, Answer::HeldOutDiffers]) {
             Tone::Attention
         } else if has(&[Answer::Named, Answer::PartlyExplained]) {
             Tone::Found
@@ -122,8 +122,13 @@ mod tests {
 
     const FLOOR: f64 = 0.1;
     const ASKED: [Asked; 3] = [Asked::Change, Asked::Lack, Asked::Beyond];
-    const ANSWERS: [Answer; 4] =
-        [Answer::NoMismatch, Answer::Named, Answer::PartlyExplained, Answer::Unexplained];
+    const ANSWERS: [Answer; 5] = [
+        Answer::NoMismatch,
+        Answer::Named,
+        Answer::PartlyExplained,
+        Answer::Unexplained,
+        Answer::HeldOutDiffers,
+    ];
 
     /// A verdict on one joint whose error is that multiple of its noise floor.
     fn verdict(answer: Answer, structure: Option<Answer>, times: f64, left: bool, held_out: bool) -> Verdict {

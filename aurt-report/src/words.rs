@@ -93,7 +93,28 @@ pub fn headline(verdict: &Verdict, asked: Asked) -> String {
     if fails_on_held_out(verdict, asked) {
         words.push_str(" – but held-out data are predicted worse with it");
     }
-    words
+    match held_out_differs(verdict) {
+        Some(difference) if verdict.verdict == Answer::HeldOutDiffers => format!("{difference}; {words}"),
+        Some(difference) => format!("{words}; {difference}"),
+        None => words,
+    }
+}
+
+/// The joints on which the held-out recordings are another state of the robot, with factors.
+fn held_out_differs(verdict: &Verdict) -> Option<String> {
+    let joints: Vec<usize> = verdict.held_out_differs.iter().map(|d| d.joint).collect();
+    if joints.is_empty() {
+        return None;
+    }
+    let factor = |joint: usize| {
+        let difference = verdict.held_out_differs.iter().find(|d| d.joint == joint);
+        difference.map_or(String::new(), |d| format!(" ({:.1} times the expected error)", d.rms / d.expected_rms))
+    };
+    Some(format!(
+        "the held-out data ({}) differ from the fitted ones on {}",
+        verdict.held_out.recordings.join(", "),
+        verdict.names().joint_list_with(&joints, factor)
+    ))
 }
 
 /// What a reader who is told of nothing may want to know next.
@@ -108,6 +129,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     let nameless = "something that no known effect explains";
     let difference = match (verdict.verdict, changes, before) {
         (Answer::NoMismatch, ..) => "nothing has changed".to_owned(),
+        (Answer::HeldOutDiffers, ..) => "no change was found in the target".to_owned(),
         (Answer::Named, Some(changes), _) => format!("changed since calibration: {changes}"),
         (Answer::Named, None, Some(before)) => {
             format!("in the calibration recordings and not in the target: {before}")
@@ -158,6 +180,7 @@ fn missing(verdict: &Verdict, asked: Asked) -> String {
     let found = brief(verdict, |f| place(f, asked) != Place::Fault);
     match (verdict.verdict, found) {
         (Answer::NoMismatch, _) => clean(verdict, "nothing is missing", "no missing effect was found"),
+        (Answer::HeldOutDiffers, _) => "no missing effect was found in the fitted recordings".to_owned(),
         (Answer::Named, None) => "a fault of the recordings explains the difference".to_owned(),
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::PartlyExplained, found) => {

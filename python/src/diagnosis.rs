@@ -150,7 +150,7 @@ impl Verdict {
         Ok(Self { found, document, text, added, notes, model, report })
     }
 
-    /// The answer: "no_mismatch", "named", "partly_explained" or "unexplained".
+    /// The answer: "no_mismatch", "named", "partly_explained", "unexplained" or "held_out_differs".
     #[getter]
     fn answer(&self) -> &str {
         self.document["verdict"].as_str().unwrap_or_default()

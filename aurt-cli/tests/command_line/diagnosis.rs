@@ -109,6 +109,32 @@ fn unknown_effects_stay_unexplained_and_nulls_are_null() {
     }
 }
 
+/// A load that the held-out recording alone shows: the fitted recordings lack nothing, and no part of the answer says so of all.
+#[test]
+fn a_load_in_the_held_out_recording_is_no_all_clear() {
+    let folder = Folder::new().with_whole_demo().with_demo(&["later_motion.csv"]);
+    let listed = "validation = [\"other_motion.csv\", \"point_to_point.csv\"]";
+    let toml = folder.read("experiment.toml");
+    assert!(toml.contains(listed));
+    for (out, recordings) in [
+        ("alone", "validation = [\"later_motion.csv\"]"),
+        ("beside", "target = [\"other_motion.csv\"]\nvalidation = [\"later_motion.csv\"]"),
+    ] {
+        folder.write("loaded.toml", &toml.replace(listed, recordings));
+        let run = folder.aurt(["diagnose", "loaded.toml", "--out", out]);
+        let verdict = folder.json(&format!("{out}/verdict.json"));
+        assert_eq!(run.status(), 1, "{verdict}");
+        assert_eq!(verdict["verdict"], "held_out_differs", "{verdict}");
+        let differing = verdict["held_out_differs"].as_array().unwrap();
+        assert!(!differing.is_empty());
+        for joint in differing {
+            assert!(joint["rms"].as_f64().unwrap() > 1.65 * joint["expected_rms"].as_f64().unwrap(), "{joint}");
+        }
+        let said = run.stdout();
+        assert!(said.contains("differ from the fitted ones on") && !said.contains("the residual is noise"), "{said}");
+    }
+}
+
 /// The demo's structure is complete; with two of its terms left out these are found, and the improved
 /// experiment runs as it is.
 #[test]

@@ -40,6 +40,15 @@ impl Resampled {
         ((count - 1.0) / count * squares).sqrt()
     }
 
+    /// Coefficients that differ from a fit as each jackknife fit does from the mean of all, and their share (B − 1)/B in a variance.
+    pub(crate) fn deviating(&self, fit: &[f64]) -> Vec<(Vec<f64>, f64)> {
+        let count = self.coefficients.len() as f64;
+        let mean = |k: usize| self.coefficients.iter().map(|c| c[k]).sum::<f64>() / count;
+        let means: Vec<f64> = (0..fit.len()).map(mean).collect();
+        let around = |c: &Vec<f64>| fit.iter().zip(c).zip(&means).map(|((f, c), m)| f + c - m).collect();
+        self.coefficients.iter().map(|c| (around(c), (count - 1.0) / count)).collect()
+    }
+
     /// Standard deviation of every coefficient: the larger of what residuals with a memory give (`independent_share` of
     /// the rows are independent) and of the jackknife, which sees that a wrong model errs differently at other times.
     pub(crate) fn deviations(&self, fit: &TotalFit, independent_share: f64) -> Vec<f64> {

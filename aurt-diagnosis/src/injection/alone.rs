@@ -46,7 +46,7 @@ impl Prepared<'_> {
             return Ok(Vec::new());
         }
         let named = match self.verdict().verdict {
-            Answer::NoMismatch | Answer::Named => true,
+            Answer::NoMismatch | Answer::HeldOutDiffers | Answer::Named => true,
             Answer::PartlyExplained | Answer::Unexplained => repair_helps(
                 &Question { recordings: &recordings, ..*self.question },
                 &Question { recordings: &repaired, ..*self.question },

@@ -5,7 +5,7 @@ use crate::evidence::baseline::{Baseline, partition};
 use crate::evidence::judged::Judged;
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
-use crate::transmission::{Gears, find_gears, undone};
+use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, undone};
 
 /// A model fitted without what gears do, and what it left with it.
 pub(super) struct WithoutGears {
@@ -57,16 +57,88 @@ pub(super) fn without_gears(
         if !confirmed {
             break;
         }
-        let freed = undone(question, &fit, &inertial, &gears.found)?;
+        let Some((freed, refitted)) = refitted(question, &judged, &inertial, &mut gears.found, of_all)? else { break };
         if turn == 0 {
             before = Some(left(question, &judged));
         }
-        let corrected = Question { recordings: &freed, ..*question };
-        let baseline = if of_all { Baseline::of_all(&corrected)? } else { Baseline::new(&corrected)? };
-        judged = Judged::new(&corrected, baseline)?;
+        judged = refitted;
         recordings = Some(freed);
     }
     Ok(WithoutGears { judged, gears, recordings, before })
+}
+
+/// The recordings without the torque of the confirmed gears, and the model fitted to them; none where no gear stays confirmed.
+///
+/// What a gear takes from the measurement, freed of what the refitted model absorbs, is c = r₀ − r₁, the difference of the
+/// residuals before and after. If the gear is there, r₀ follows c with an amplitude of one. A gear whose amplitude on these rows is
+/// below what physics allows by [`AWAY_STD`] deviations is the image of something else: it is no longer confirmed.
+fn refitted(
+    question: &Question<'_>,
+    judged: &Judged,
+    inertial: &[(usize, f64)],
+    gears: &mut [Shaking],
+    of_all: bool,
+) -> Result<Option<(Vec<QuestionedRecording>, Judged)>, DiagnosisError> {
+    let fit =
+        Fit { model: question.model, load: &judged.baseline.load, coefficients: &judged.baseline.coefficients };
+    while gears.iter().any(|g| g.confirmed) {
+        let freed = undone(question, &fit, inertial, gears)?;
+        let corrected = Question { recordings: &freed, ..*question };
+        let baseline = if of_all { Baseline::of_all(&corrected)? } else { Baseline::new(&corrected)? };
+        let after = Judged::new(&corrected, baseline)?;
+        let mut contradicted = false;
+        for gear in gears.iter_mut().filter(|g| g.confirmed) {
+            let [amplitude, std] = amplitude(question, [judged, &after], gear);
+            if amplitude + AWAY_STD * std < AMPLITUDE[0] {
+                gear.confirmed = false;
+                gear.fails.push(format!(
+                    "on the rows of the model its torque is {amplitude:.2} ± {std:.2} times the value that the link's inertia implies"
+                ));
+                contradicted = true;
+            }
+        }
+        if !contradicted {
+            return Ok(Some((freed, after)));
+        }
+    }
+    Ok(None)
+}
+
+/// Standard deviations by which a gear's amplitude has to be below the least possible one: one in forty of gears that are there.
+const AWAY_STD: f64 = 2.0;
+
+/// Length of the pieces of time whose errors are taken for independent, s: long against the filters' memory, as in the search for
+/// gears.
+const PIECE_S: f64 = 1.0;
+
+/// The amplitude of a gear's torque c on the rows of its joint, ⟨r₀, c⟩ / ⟨c, c⟩, and its standard deviation over pieces of time,
+/// √(G/(G − 1) Σ_b (s_b − a i_b)²) / Σ_b i_b with s_b = ⟨r₀, c⟩ and i_b = ⟨c, c⟩ of G pieces.
+fn amplitude(question: &Question<'_>, judged: [&Judged; 2], gear: &Shaking) -> [f64; 2] {
+    let columns = question.model.row_columns(gear.joint);
+    let residual = |judged: &Judged, rows: &RecordingRows| {
+        let value = |c: &usize| if judged.baseline.frozen { 0.0 } else { judged.baseline.coefficients[*c] };
+        rows.joints[gear.joint].residual(columns.iter().map(value))
+    };
+    let mut pieces: Vec<[f64; 2]> = Vec::new();
+    for (before, after) in judged[0].own_rows.iter().zip(&judged[1].own_rows) {
+        let shows = before.role != Role::Validation && gear.present[usize::from(before.role == Role::Target)];
+        if !shows || before.rows() != after.rows() {
+            continue;
+        }
+        let (with, without) = (residual(judged[0], before), residual(judged[1], after));
+        let length = ((PIECE_S * before.rate_hz) as usize).max(1);
+        for (with, without) in with.chunks(length).zip(without.chunks(length)) {
+            let products = with.iter().zip(without).map(|(r, s)| [r * (r - s), (r - s).powi(2)]);
+            pieces.push(products.fold([0.0; 2], |[s, i], [p, q]| [s + p, i + q]));
+        }
+    }
+    let [along, square] = pieces.iter().fold([0.0; 2], |[s, i], [p, q]| [s + p, i + q]);
+    if square <= 0.0 {
+        return [1.0, f64::INFINITY];
+    }
+    let (amplitude, count) = (along / square, pieces.len() as f64);
+    let spread: f64 = pieces.iter().map(|[s, i]| (s - amplitude * i).powi(2)).sum();
+    [amplitude, (count / (count - 1.0) * spread).sqrt() / square]
 }
 
 /// What a model leaves of its own rows.

@@ -2,7 +2,9 @@
 //!
 //! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
-//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
+//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them. Rows near
+//! reversals are left out: what a joint does while it sticks or creeps follows travel and not time, and draws the minimum towards
+//! zero.
 
 use std::sync::Arc;
 
@@ -15,7 +17,7 @@ use crate::evidence::gram::{Moments, dot};
 use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
-use crate::recordings::rows::{Instrument, Role};
+use crate::recordings::rows::{Instrument, JointRows, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::vocabulary::{Addition, Kind};
 
@@ -55,6 +57,9 @@ const BEYOND: usize = 4;
 
 /// Share of a step at which the lowest point is looked at once more.
 const FINE: f64 = 0.25;
+
+/// Rows within this many periods of `f_dyn_hz` of a reversal or a rest are left out: the filters' impulse response.
+const NEAR_PERIODS: f64 = 1.0;
 
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
@@ -159,10 +164,15 @@ impl Scan {
         );
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
-        let mut trial = problem.total().clone();
-        let rows = |j: usize| problem.rows(j, false).max(1.0);
+        let masks: Vec<Vec<Vec<bool>>> =
+            investigation.rows.iter().map(|r| moving(r, NEAR_PERIODS / question.f_dyn_hz)).collect();
+        let used = used_columns(investigation, &switches);
+        let mut trial = masked(investigation, &used, &masks);
+        let counted: Vec<f64> =
+            (0..problem.joints()).map(|j| (trial[0][j].rows + trial[1][j].rows).max(1.0)).collect();
+        let rows = |j: usize| counted[j];
         let mut at = |delay_s: f64| -> Vec<f64> {
-            shift(question, investigation, &switches, target_only, delay_s, &mut trial);
+            shift(question, investigation, (&used, &masks), target_only, delay_s, &mut trial);
             let fit = problem.part_fit(&trial, &ordered, free, &weights);
             let beta = problem.extend(&trial, &fit, (&ordered, free), &[], &weights);
             let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
@@ -261,21 +271,80 @@ fn model(investigation: &Investigation) -> Vec<Switch> {
     all
 }
 
-/// Puts the products of the model's columns with the measurement of a later time into moments.
+/// The places of a model's columns among those of each joint.
+fn used_columns(investigation: &Investigation, switches: &[Switch]) -> Vec<Vec<usize>> {
+    let is_used = |column: usize| switches.iter().any(|s| s.column == column);
+    let of_joint = |row: &Vec<usize>| (0..row.len()).filter(|k| is_used(row[*k])).collect();
+    investigation.layout.rows.iter().map(of_joint).collect()
+}
+
+/// Rows that count and are farther than `near_s` from any at which the joint reverses or rests, joint by joint.
+fn moving(rows: &RecordingRows, near_s: f64) -> Vec<Vec<bool>> {
+    let reach = (near_s * rows.rate_hz).ceil() as usize;
+    let of_joint = |joint: &JointRows| {
+        let (velocity, counts) = (&joint.velocity_rad_s, &joint.counts);
+        let mut moving = counts.clone();
+        for k in 0..counts.len() {
+            let reverses = k > 0 && velocity[k] * velocity[k - 1] <= 0.0;
+            if reverses || !counts[k] {
+                moving[k.saturating_sub(reach)..(k + reach + 1).min(counts.len())].fill(false);
+            }
+        }
+        moving
+    };
+    rows.joints.iter().map(of_joint).collect()
+}
+
+/// Products of the used columns with one another over the rows of a mask.
+fn masked(
+    investigation: &Investigation,
+    used: &[Vec<usize>],
+    masks: &[Vec<Vec<bool>>],
+) -> [Vec<Moments>; 2] {
+    let mut moments = investigation.problem.total().clone();
+    for of_kind in &mut moments {
+        for (joint, sums) in of_kind.iter_mut().enumerate() {
+            sums.rows = 0.0;
+            for (k, l) in used[joint].iter().flat_map(|k| used[joint].iter().map(move |l| (*k, *l))) {
+                sums.gram[k * sums.columns + l] = 0.0;
+            }
+        }
+    }
+    for (r, start, end) in investigation.partition.fitted() {
+        let rows = &investigation.rows[r];
+        let kind = usize::from(rows.role == Role::Target);
+        for (joint, own) in rows.joints.iter().enumerate() {
+            let mask = &masks[r][joint][start..end];
+            let sums = &mut moments[kind][joint];
+            sums.rows += mask.iter().filter(|m| **m).count() as f64;
+            for (place, k) in used[joint].iter().enumerate() {
+                let column: Vec<f64> = own.column(*k)[start..end]
+                    .iter()
+                    .zip(mask)
+                    .map(|(value, moves)| if *moves { *value } else { 0.0 })
+                    .collect();
+                for l in &used[joint][..=place] {
+                    let product = dot(&column, &own.column(*l)[start..end]);
+                    sums.gram[k * sums.columns + l] += product;
+                    if k != l {
+                        sums.gram[l * sums.columns + k] += product;
+                    }
+                }
+            }
+        }
+    }
+    moments
+}
+
+/// Puts the products of the model's columns with the measurement of a later time into moments, over the rows of a mask.
 fn shift(
     question: &Question<'_>,
     investigation: &Investigation,
-    switches: &[Switch],
+    (used, masks): (&[Vec<usize>], &[Vec<Vec<bool>>]),
     target_only: bool,
     delay_s: f64,
     moments: &mut [Vec<Moments>; 2],
 ) {
-    let layout = &investigation.layout;
-    let used: Vec<Vec<usize>> = layout
-        .rows
-        .iter()
-        .map(|row| (0..row.len()).filter(|k| switches.iter().any(|s| s.column == row[*k])).collect())
-        .collect();
     for (joint, used) in used.iter().enumerate() {
         for of_kind in moments.iter_mut() {
             used.iter().for_each(|k| of_kind[joint].right[*k] = 0.0);
@@ -290,7 +359,7 @@ fn shift(
             let y: Vec<f64> = own
                 .measurement
                 .iter()
-                .zip(&own.counts)
+                .zip(&masks[r][joint])
                 .zip(later)
                 .map(|((y, counts), change)| if *counts { y + change } else { 0.0 })
                 .collect();

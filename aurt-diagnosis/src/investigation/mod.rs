@@ -7,6 +7,7 @@ mod gears;
 mod late;
 mod predicted;
 mod repairs;
+mod reselected;
 mod reshaped;
 mod selecting;
 mod settled;
@@ -18,6 +19,7 @@ pub use gears::BeforeGears;
 pub use late::{Delay, Late};
 pub(crate) use repairs::repair_helps;
 pub(crate) use reshaped::reshape;
+use reselected::reselect;
 pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;
@@ -145,10 +147,19 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let mut investigation = selected(question, registry, &mut progress)?;
+    let Examined { mut investigation, recordings } = selected(question, registry, &mut progress)?;
     progress("testing the findings");
+    let question = &Question { recordings: &recordings, ..*question };
     earn(question, &mut investigation)?;
+    reselect(question, registry, &mut investigation, progress)?;
     Ok(investigation)
+}
+
+/// An investigation up to selection.
+struct Examined {
+    investigation: Investigation,
+    /// The recordings as they were examined: repaired, and without the torque of gears.
+    recordings: Vec<QuestionedRecording>,
 }
 
 /// Investigates up to selection, with a delay undone if there is one.
@@ -156,13 +167,13 @@ fn selected(
     question: &Question<'_>,
     registry: &Registry,
     mut progress: impl FnMut(&str),
-) -> Result<Investigation, DiagnosisError> {
+) -> Result<Examined, DiagnosisError> {
     let first = investigate_as_it_is(question, registry, &mut progress)?;
-    let found = if question.considers(&DELAY) { Delay::found(question, &first)? } else { None };
+    let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
     without.push(DELAY.id.to_owned());
     let Some(delay) = found else {
-        if !first.is_late() {
+        if !first.investigation.is_late() {
             return Ok(first);
         }
         // What the column of a delay described is something else.
@@ -172,7 +183,7 @@ fn selected(
     let shifted = delay.undone(question)?;
     let question = Question { recordings: &shifted, without: &without, ..*question };
     let mut second = investigate_as_it_is(&question, registry, &mut progress)?;
-    second.late = Some(Late { delay, before: Box::new(first) });
+    second.investigation.late = Some(Late { delay, before: Box::new(first.investigation) });
     Ok(second)
 }
 
@@ -200,7 +211,7 @@ fn investigate_as_it_is(
     question: &Question<'_>,
     registry: &Registry,
     progress: &mut impl FnMut(&str),
-) -> Result<Investigation, DiagnosisError> {
+) -> Result<Examined, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
         return Err(DiagnosisError::NothingToDiagnose);
     }
@@ -354,7 +365,7 @@ fn investigate_as_it_is(
     for chosen in &mut selection.chosen {
         chosen.p_confirm = judge.p_confirm(&confirm, &switches, &groups[chosen.group]);
     }
-    Ok(Investigation {
+    let investigation = Investigation {
         model,
         baseline,
         rows,
@@ -386,7 +397,8 @@ fn investigate_as_it_is(
         untried,
         free,
         mean_independent_share,
-    })
+    };
+    Ok(Examined { investigation, recordings: gears.recordings.unwrap_or(recordings) })
 }
 
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.

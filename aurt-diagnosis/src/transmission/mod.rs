@@ -34,6 +34,7 @@ use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
 use crate::vocabulary::Effect;
 use against::OwnFreed;
+pub(crate) use claim::AMPLITUDE;
 use claim::{Among, Found, JointRows, LEAST_GAIN, Level, Visible};
 use gravity::GravityGradients;
 use rows::Rows;

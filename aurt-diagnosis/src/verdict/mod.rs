@@ -7,6 +7,7 @@ mod errors;
 pub(crate) mod faults;
 pub(crate) mod findings;
 mod finite;
+mod held_out;
 pub(crate) mod localise;
 mod memory;
 mod model;
@@ -19,7 +20,7 @@ mod write;
 
 pub use confidence::Learnt;
 pub use model::{
-    Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, NotDecidable, NotExamined,
+    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual, NotDecidable, NotExamined,
     RegisteredFinding, SCHEMA, Shift, Verdict,
 };
 pub use series::{JointSeriesRows, RecordingSeries, series};

@@ -21,6 +21,9 @@ pub enum Answer {
     PartlyExplained,
     /// Something is missing, and no known effect accounts for it.
     Unexplained,
+    /// Nothing is missing in the fitted recordings, and the held-out ones are another state of the robot:
+    /// [`Verdict::held_out_differs`].
+    HeldOutDiffers,
 }
 
 /// Version of the keys of `verdict.json`: 2 has `partly_explained`, `explained` and `remainder`; `ambiguous` is no verdict any
@@ -72,6 +75,9 @@ pub struct Verdict {
     pub residual: Vec<JointResidual>,
     /// Improvement on held-out data.
     pub held_out: HeldOut,
+    /// Joints whose held-out error exceeds what the model's error on the fitted recordings lets expect.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held_out_differs: Vec<HeldOutDifference>,
     /// Share of the predictable part of the held-out error of all joints that the claims explain; absent without claims.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explained: Option<Share>,
@@ -295,6 +301,18 @@ impl HeldOut {
         let (before, after) = (error(&self.rms_before), error(&self.rms_after));
         before > 0.0 && after.is_finite() && after > (1.0 + WORSE) * before
     }
+}
+
+/// A joint whose held-out rows the model does not describe, though it describes the rows that it was fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HeldOutDifference {
+    /// The joint.
+    pub joint: usize,
+    /// Root mean square of the error on the held-out rows.
+    pub rms: f64,
+    /// The error that was to be expected there: noise, what the model leaves of the fitted rows in proportion to the torque, and
+    /// the uncertainty of its coefficients (jackknife over blocks of time).
+    pub expected_rms: f64,
 }
 
 /// A parameter of the rest of the model that the effects moved.

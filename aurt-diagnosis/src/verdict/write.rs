@@ -15,11 +15,12 @@ use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
 use crate::verdict::faults::fault_findings;
+use crate::verdict::held_out::{differences, errors as errors_on_held_out};
 use crate::verdict::findings::{delay_finding, findings, indications};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
-    Finding, HeldOut, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
+    Answer, Finding, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
 use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
@@ -40,7 +41,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
     });
     let mut residual = joint_residuals(investigation, all, fit, baseline.0, &baseline.1);
-    let mut held_out = held_out(investigation, all, fit);
+    let mut held_out = errors_on_held_out(investigation, all, fit);
     if let Some(late) = &investigation.late {
         let before = &late.before;
         let own = &before.base_switches;
@@ -48,7 +49,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         for (now, then) in residual.iter_mut().zip(joint_residuals(before, own, &first, own, &first)) {
             now.baseline_rms = then.baseline_rms;
         }
-        held_out.rms_before = self::held_out(before, own, &first).rms_before;
+        held_out.rms_before = errors_on_held_out(before, own, &first).rms_before;
     }
     if let Some(before) = &investigation.before_gears {
         for (now, then) in residual.iter_mut().zip(&before.baseline_rms) {
@@ -88,6 +89,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.splice(0..0, shaking.into_iter().chain(touched));
     let something = residual.iter().any(|r| r.structure_left && !apart.contains(&r.joint));
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors, something);
+    let held_out_differs = differences(investigation, &fitted, &residual, &held_out, &apart);
+    let answer = match answer {
+        Answer::NoMismatch if !held_out_differs.is_empty() => Answer::HeldOutDiffers,
+        answer => answer,
+    };
     let mut verdict = Verdict {
         schema: SCHEMA,
         settings: question.selection,
@@ -107,6 +113,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         not_examined: not_examined(question, investigation),
         residual,
         held_out,
+        held_out_differs,
         explained,
         remainder,
         shifts: shifts(investigation, &fitted, &baseline.1),
@@ -319,34 +326,6 @@ pub fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, join
         }
     }
     load
-}
-
-/// Improvement on the held-out rows. Before: the baseline as fitted to the calibration recordings (or given).
-fn held_out(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> HeldOut {
-    let joints = investigation.layout.rows.len();
-    let own: Vec<Switch> = investigation.base_switches.clone();
-    let (mut before, mut after, mut floor) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
-    let mut counts = vec![0.0; joints];
-    for (r, rows) in investigation.confirm.to_judge().iter().enumerate().filter(|(_, r)| r.rows() > 0) {
-        let base = residuals(rows, &investigation.layout, &own, &investigation.baseline.coefficients);
-        let full = residuals(rows, &investigation.layout, all, &fit.coefficients);
-        for j in 0..joints {
-            let sum = |series: &[f64]| series.iter().map(|v| v * v).sum::<f64>();
-            let counted = rows.joints[j].counted(0, rows.rows());
-            before[j] += sum(&base[j]);
-            after[j] += sum(&full[j]);
-            floor[j] += investigation.floors[r][j] * counted;
-            counts[j] += counted;
-        }
-    }
-    let rms =
-        |sums: Vec<f64>| sums.into_iter().zip(&counts).map(|(s, n)| (s / f64::max(*n, 1.0)).sqrt()).collect();
-    HeldOut {
-        recordings: investigation.partition.held_out_names.clone(),
-        rms_before: rms(before),
-        rms_after: rms(after),
-        rms_floor: rms(floor),
-    }
 }
 
 /// Parameters of the baseline that moved most, in standard deviations with the memory and the misfit of the residual.

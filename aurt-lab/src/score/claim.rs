@@ -22,6 +22,8 @@ pub enum Answer {
     PartlyExplained,
     /// Something is missing that has no name.
     Unexplained,
+    /// Nothing is missing in the fitted recordings; the held-out ones differ from them.
+    HeldOutDiffers,
     /// The diagnosis gave no verdict.
     Failed,
 }
@@ -36,7 +38,7 @@ impl Answer {
     /// Whether the answer says that something is missing beside what has a name.
     #[must_use]
     pub const fn leaves_something(self) -> bool {
-        matches!(self, Self::PartlyExplained | Self::Unexplained)
+        matches!(self, Self::PartlyExplained | Self::Unexplained | Self::HeldOutDiffers)
     }
 
     /// Its name in files and tables.
@@ -48,6 +50,7 @@ impl Answer {
             Self::Ambiguous => "ambiguous",
             Self::PartlyExplained => "partly_explained",
             Self::Unexplained => "unexplained",
+            Self::HeldOutDiffers => "held_out_differs",
             Self::Failed => "failed",
         }
     }

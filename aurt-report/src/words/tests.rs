@@ -1,6 +1,6 @@
 //! Sentences of made-up verdicts.
 
-use aurt_diagnosis::{Evidence, HeldOut, ParameterValue, VisibleGear};
+use aurt_diagnosis::{Evidence, HeldOut, HeldOutDifference, ParameterValue, VisibleGear};
 use aurt_traits::MeasurementUnit;
 
 use super::*;
@@ -40,6 +40,7 @@ pub(crate) fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], aft
         not_examined: Vec::new(),
         not_decidable: Vec::new(),
         residual: Vec::new(),
+        held_out_differs: Vec::new(),
         held_out: HeldOut {
             recordings: vec!["a.csv".into()],
             rms_before: before.into(),
@@ -154,6 +155,20 @@ fn a_finding_in_the_calibration_recordings_alone_is_no_change_since_calibration(
     assert!(
         headline(&found, Asked::Change).starts_with("in the calibration recordings and not in the target: ")
     );
+}
+
+#[test]
+fn held_out_data_of_another_state_come_before_all_else() {
+    let mut found = verdict(Answer::HeldOutDiffers, Vec::new(), &[0.1, 6.6], &[0.1, 6.6]);
+    found.held_out_differs = vec![HeldOutDifference { joint: 1, rms: 6.6, expected_rms: 0.1 }];
+    let said = headline(&found, Asked::Lack);
+    assert!(
+        said.starts_with(
+            "the held-out data (a.csv) differ from the fitted ones on joint 1 (66.0 times the expected error)"
+        ),
+        "{said}"
+    );
+    assert!(!said.contains("nothing"), "{said}");
 }
 
 #[test]

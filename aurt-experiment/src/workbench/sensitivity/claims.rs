@@ -19,7 +19,7 @@ impl Claims {
         Self {
             names: matches!(verdict.verdict, Answer::Named | Answer::PartlyExplained),
             unexplained: verdict.verdict == Answer::Unexplained,
-            leaves_something: matches!(verdict.verdict, Answer::Unexplained | Answer::PartlyExplained),
+            leaves_something: !matches!(verdict.verdict, Answer::NoMismatch | Answer::Named),
             claims: verdict.effects.iter().map(|f| (f.effect.clone(), f.joints.clone())).collect(),
         }
     }

@@ -1,0 +1,120 @@
+//! Errors on held-out rows, and whether these are another state of the robot.
+
+use crate::evidence::account::has_structure;
+use crate::evidence::residuals::residuals;
+use crate::evidence::total::TotalFit;
+use crate::hypotheses::group::Switch;
+use crate::investigation::{Fitted, Investigation};
+use crate::recordings::rows::RecordingRows;
+use crate::verdict::{HeldOut, HeldOutDifference, JointResidual};
+
+/// Improvement on the held-out rows. Before: the baseline as fitted to the calibration recordings (or given).
+pub(super) fn errors(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> HeldOut {
+    let joints = investigation.layout.rows.len();
+    let own = &investigation.base_switches;
+    let (mut before, mut after, mut floor) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
+    for (r, rows) in judging(investigation) {
+        let base = residuals(rows, &investigation.layout, own, &investigation.baseline.coefficients);
+        let full = residuals(rows, &investigation.layout, all, &fit.coefficients);
+        for j in 0..joints {
+            before[j] += squares(&base[j]);
+            after[j] += squares(&full[j]);
+            floor[j] += investigation.floors[r][j] * rows.joints[j].counted(0, rows.rows());
+        }
+    }
+    let counts = counts(investigation);
+    let rms = |sums: Vec<f64>| sums.into_iter().zip(&counts).map(|(s, n)| (s / n).sqrt()).collect();
+    HeldOut {
+        recordings: investigation.partition.held_out_names.clone(),
+        rms_before: rms(before),
+        rms_after: rms(after),
+        rms_floor: rms(floor),
+    }
+}
+
+/// The joints, but for those of `apart`, whose held-out error is beyond the expected one,
+///
+/// e² = max(noise², (torque ratio · residual of the fitted rows)²) + (B − 1)/B Σ_b mean (X_h (β_b − β̄))²
+///
+/// with X_h the held-out rows and β_b the fit without block b of B. A wrong structure errs in proportion to the torque. A model
+/// whose error is larger than the measurement itself predicts nothing, whatever its uncertainty.
+pub(super) fn differences(
+    investigation: &Investigation,
+    fitted: &Fitted,
+    residual: &[JointResidual],
+    held_out: &HeldOut,
+    apart: &[usize],
+) -> Vec<HeldOutDifference> {
+    let uncertain = uncertainty(investigation, fitted);
+    let measured = measured(investigation);
+    let power = |joint: usize| {
+        let kinds = investigation.problem.total().each_ref().map(|kind| &kind[joint]);
+        let rows: f64 = kinds.iter().map(|m| m.rows).sum();
+        kinds.iter().map(|m| m.square).sum::<f64>() / rows.max(1.0)
+    };
+    let difference = |joint: &JointResidual| {
+        let j = joint.joint;
+        let rms = held_out.rms_after[j];
+        // What a given model leaves is no measure of the torque.
+        let louder = if investigation.baseline.frozen || power(j) <= 0.0 {
+            1.0
+        } else {
+            (measured[j] / power(j)).max(1.0)
+        };
+        let expected =
+            held_out.rms_floor[j].powi(2).max(louder * joint.unexplained_rms.powi(2)) + uncertain[j];
+        let is_judged = rms.is_finite() && power(j) > 0.0 && !apart.contains(&j);
+        let predicts_nothing = !investigation.baseline.frozen
+            && rms * rms > measured[j]
+            && has_structure(rms * rms, held_out.rms_floor[j].powi(2));
+        (is_judged && (has_structure(rms * rms, expected) || predicts_nothing))
+            .then(|| HeldOutDifference { joint: j, rms, expected_rms: expected.sqrt() })
+    };
+    residual.iter().filter_map(difference).collect()
+}
+
+/// The held-out recordings that have rows, with their numbers.
+fn judging(investigation: &Investigation) -> impl Iterator<Item = (usize, &RecordingRows)> {
+    investigation.confirm.to_judge().iter().enumerate().filter(|(_, r)| r.rows() > 0)
+}
+
+fn squares(series: &[f64]) -> f64 {
+    series.iter().map(|v| v * v).sum()
+}
+
+/// Held-out rows that count, joint by joint; one where there are none.
+fn counts(investigation: &Investigation) -> Vec<f64> {
+    let of_joint = |j: usize| {
+        judging(investigation).map(|(_, rows)| rows.joints[j].counted(0, rows.rows())).sum::<f64>().max(1.0)
+    };
+    (0..investigation.layout.rows.len()).map(of_joint).collect()
+}
+
+/// Mean square of the measurement over the held-out rows, joint by joint; of what a given model leaves of it, where one is given.
+fn measured(investigation: &Investigation) -> Vec<f64> {
+    let of_joint = |(j, count): (usize, &f64)| {
+        let series = judging(investigation).map(|(_, rows)| {
+            let joint = &rows.joints[j];
+            let counted = joint.measurement.iter().zip(&joint.counts).filter(|(_, counts)| **counts);
+            counted.map(|(value, _)| value * value).sum::<f64>()
+        });
+        series.sum::<f64>() / count
+    };
+    counts(investigation).iter().enumerate().map(of_joint).collect()
+}
+
+/// Mean square of the prediction's uncertainty over the held-out rows, joint by joint, Nm².
+fn uncertainty(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
+    let mut sums = vec![0.0; investigation.layout.rows.len()];
+    let refits = fitted.resampled.deviating(&fitted.fit.coefficients);
+    for (_, rows) in judging(investigation) {
+        let left = |beta: &[f64]| residuals(rows, &investigation.layout, &fitted.switches, beta);
+        let whole = left(&fitted.fit.coefficients);
+        for (deviating, share) in &refits {
+            for ((sum, whole), without) in sums.iter_mut().zip(&whole).zip(left(deviating)) {
+                *sum += share * whole.iter().zip(&without).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            }
+        }
+    }
+    sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
+}
