@@ -63,7 +63,7 @@ pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, VisibleGear, find_gears};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual, JointSeriesRows, Learnt,
-    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, SCHEMA, Shift, Verdict, series,
-    write_verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
+    JointSeriesRows, Learnt, NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, SCHEMA, Shift,
+    Verdict, series, write_verdict,
 };

@@ -108,7 +108,8 @@ fn held_out_differs(verdict: &Verdict) -> Option<String> {
     }
     let factor = |joint: usize| {
         let difference = verdict.held_out_differs.iter().find(|d| d.joint == joint);
-        difference.map_or(String::new(), |d| format!(" ({:.1} times the expected error)", d.rms / d.expected_rms))
+        difference
+            .map_or(String::new(), |d| format!(" ({:.1} times the expected error)", d.rms / d.expected_rms))
     };
     Some(format!(
         "the held-out data ({}) differ from the fitted ones on {}",

@@ -128,10 +128,16 @@ fn a_load_in_the_held_out_recording_is_no_all_clear() {
         let differing = verdict["held_out_differs"].as_array().unwrap();
         assert!(!differing.is_empty());
         for joint in differing {
-            assert!(joint["rms"].as_f64().unwrap() > 1.65 * joint["expected_rms"].as_f64().unwrap(), "{joint}");
+            assert!(
+                joint["rms"].as_f64().unwrap() > 1.65 * joint["expected_rms"].as_f64().unwrap(),
+                "{joint}"
+            );
         }
         let said = run.stdout();
-        assert!(said.contains("differ from the fitted ones on") && !said.contains("the residual is noise"), "{said}");
+        assert!(
+            said.contains("differ from the fitted ones on") && !said.contains("the residual is noise"),
+            "{said}"
+        );
     }
 }
 

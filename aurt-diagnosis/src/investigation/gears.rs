@@ -57,7 +57,10 @@ pub(super) fn without_gears(
         if !confirmed {
             break;
         }
-        let Some((freed, refitted)) = refitted(question, &judged, &inertial, &mut gears.found, of_all)? else { break };
+        let Some((freed, refitted)) = refitted(question, &judged, &inertial, &mut gears.found, of_all)?
+        else {
+            break;
+        };
         if turn == 0 {
             before = Some(left(question, &judged));
         }
@@ -79,8 +82,11 @@ fn refitted(
     gears: &mut [Shaking],
     of_all: bool,
 ) -> Result<Option<(Vec<QuestionedRecording>, Judged)>, DiagnosisError> {
-    let fit =
-        Fit { model: question.model, load: &judged.baseline.load, coefficients: &judged.baseline.coefficients };
+    let fit = Fit {
+        model: question.model,
+        load: &judged.baseline.load,
+        coefficients: &judged.baseline.coefficients,
+    };
     while gears.iter().any(|g| g.confirmed) {
         let freed = undone(question, &fit, inertial, gears)?;
         let corrected = Question { recordings: &freed, ..*question };

@@ -3,8 +3,8 @@
 //! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
 //! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them. Rows near
-//! reversals are left out: what a joint does while it sticks or creeps follows travel and not time, and draws the minimum towards
-//! zero.
+//! reversals have most to say of whether there is a delay, and err in its size: what a joint does while it sticks or creeps
+//! follows travel and not time. So the scan is made with and without them, and without them it gives the size.
 
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ const BEYOND: usize = 4;
 /// Share of a step at which the lowest point is looked at once more.
 const FINE: f64 = 0.25;
 
-/// Rows within this many periods of `f_dyn_hz` of a reversal or a rest are left out: the filters' impulse response.
+/// Rows within this many periods of `f_dyn_hz` of a reversal or a rest are near it: the filters' impulse response.
 const NEAR_PERIODS: f64 = 1.0;
 
 /// A delay within so many of its deviations of none is none.
@@ -98,15 +98,18 @@ impl Delay {
             &repaired
         };
         let question = &Question { recordings, ..*question };
-        let mut scans = Vec::new();
-        if problem.has_reference() || !problem.has_target() {
-            scans.push(Scan::new(question, investigation, false));
-        }
-        if problem.has_target() {
-            scans.push(Scan::new(question, investigation, true));
-        }
-        let found = scans.iter().filter_map(Scan::delay);
-        Ok(found.max_by(|a, b| a.score.total_cmp(&b.score)))
+        let scan = |target_only| {
+            let [all, away] =
+                [0.0, NEAR_PERIODS].map(|near| Scan::new(question, investigation, target_only, near));
+            let found = all.delay().or_else(|| away.delay())?;
+            Some(match away.size().filter(|[delay_s, std_s]| *delay_s > CLEAR * std_s) {
+                Some([delay_s, std_s]) => Self { delay_s, std_s, ..found },
+                None => found,
+            })
+        };
+        let in_all = problem.has_reference() || !problem.has_target();
+        let found = [in_all.then(|| scan(false)), problem.has_target().then(|| scan(true))];
+        Ok(found.into_iter().flatten().flatten().max_by(|a, b| a.score.total_cmp(&b.score)))
     }
 
     /// The recordings with the delay undone.
@@ -151,7 +154,13 @@ struct Scan {
 }
 
 impl Scan {
-    fn new(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Self {
+    /// Over the rows that are `near_periods` of `f_dyn_hz` away from reversals; over all for 0.
+    fn new(
+        question: &Question<'_>,
+        investigation: &Investigation,
+        target_only: bool,
+        near_periods: f64,
+    ) -> Self {
         let problem = &investigation.problem;
         let switches = model(investigation);
         let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
@@ -164,8 +173,11 @@ impl Scan {
         );
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
-        let masks: Vec<Vec<Vec<bool>>> =
-            investigation.rows.iter().map(|r| moving(r, NEAR_PERIODS / question.f_dyn_hz)).collect();
+        let masks: Vec<Vec<Vec<bool>>> = investigation
+            .rows
+            .iter()
+            .map(|r| away_from_reversals(r, near_periods / question.f_dyn_hz))
+            .collect();
         let used = used_columns(investigation, &switches);
         let mut trial = masked(investigation, &used, &masks);
         let counted: Vec<f64> =
@@ -227,21 +239,27 @@ impl Scan {
         (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0)
     }
 
+    /// Where the scan is lowest, s, and the deviation that its curvature means.
+    fn size(&self) -> Option<[f64; 2]> {
+        let coarse = self.vertex()?;
+        let (delay_s, std_s) = self.fine.as_ref().map_or(coarse, |(at_s, around)| {
+            parabola(*at_s, FINE * self.step_s, around.each_ref().map(|e| self.value(e)))
+        });
+        std_s.is_finite().then_some([delay_s, std_s])
+    }
+
     /// The delay, if it is one.
     fn delay(&self) -> Option<Delay> {
         let lowest = self.lowest();
-        let coarse = self.vertex()?;
+        let [delay_s, std_s] = self.size()?;
         let score = self.value(&self.errors[1]) - self.value(&self.errors[lowest]);
         let gain = |j: &usize| {
             self.log_error(&self.errors[1], *j) - self.log_error(&self.errors[lowest], *j) > self.reduction
         };
         let joints = self.effective.len();
         let shown = (0..joints).filter(gain).count();
-        let (delay_s, std_s) = self.fine.as_ref().map_or(coarse, |(at_s, around)| {
-            parabola(*at_s, FINE * self.step_s, around.each_ref().map(|e| self.value(e)))
-        });
         let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
-        let clear = delay.std_s.is_finite() && delay.delay_s > CLEAR * delay.std_s;
+        let clear = delay.delay_s > CLEAR * delay.std_s;
         (score > self.least && clear && shown as f64 >= JOINTS_SHARE * joints as f64).then_some(delay)
     }
 }
@@ -278,29 +296,29 @@ fn used_columns(investigation: &Investigation, switches: &[Switch]) -> Vec<Vec<u
     investigation.layout.rows.iter().map(of_joint).collect()
 }
 
-/// Rows that count and are farther than `near_s` from any at which the joint reverses or rests, joint by joint.
-fn moving(rows: &RecordingRows, near_s: f64) -> Vec<Vec<bool>> {
+/// Rows that count and are farther than `near_s` from any at which the joint reverses or rests, joint by joint; all that count
+/// for 0.
+fn away_from_reversals(rows: &RecordingRows, near_s: f64) -> Vec<Vec<bool>> {
+    if near_s <= 0.0 {
+        return rows.joints.iter().map(|joint| joint.counts.clone()).collect();
+    }
     let reach = (near_s * rows.rate_hz).ceil() as usize;
     let of_joint = |joint: &JointRows| {
         let (velocity, counts) = (&joint.velocity_rad_s, &joint.counts);
-        let mut moving = counts.clone();
+        let mut away = counts.clone();
         for k in 0..counts.len() {
             let reverses = k > 0 && velocity[k] * velocity[k - 1] <= 0.0;
             if reverses || !counts[k] {
-                moving[k.saturating_sub(reach)..(k + reach + 1).min(counts.len())].fill(false);
+                away[k.saturating_sub(reach)..(k + reach + 1).min(counts.len())].fill(false);
             }
         }
-        moving
+        away
     };
     rows.joints.iter().map(of_joint).collect()
 }
 
 /// Products of the used columns with one another over the rows of a mask.
-fn masked(
-    investigation: &Investigation,
-    used: &[Vec<usize>],
-    masks: &[Vec<Vec<bool>>],
-) -> [Vec<Moments>; 2] {
+fn masked(investigation: &Investigation, used: &[Vec<usize>], masks: &[Vec<Vec<bool>>]) -> [Vec<Moments>; 2] {
     let mut moments = investigation.problem.total().clone();
     for of_kind in &mut moments {
         for (joint, sums) in of_kind.iter_mut().enumerate() {

@@ -18,8 +18,8 @@ pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub use late::{Delay, Late};
 pub(crate) use repairs::repair_helps;
-pub(crate) use reshaped::reshape;
 use reselected::reselect;
+pub(crate) use reshaped::reshape;
 pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;

@@ -103,8 +103,9 @@ fn confirm(
     investigation: &mut Investigation,
 ) -> Result<(), DiagnosisError> {
     let switches = investigation.switches();
-    let Investigation { selection, confirm, candidates, groups, layout, partition, problem, rows, floor, .. } =
-        investigation;
+    let Investigation {
+        selection, confirm, candidates, groups, layout, partition, problem, rows, floor, ..
+    } = investigation;
     for chosen in &selection.chosen {
         let candidate = &candidates[groups[chosen.group].candidate];
         reshape(confirm, candidate, question, registry, layout, partition)?;

@@ -52,24 +52,25 @@ pub(super) fn differences(
         let rows: f64 = kinds.iter().map(|m| m.rows).sum();
         kinds.iter().map(|m| m.square).sum::<f64>() / rows.max(1.0)
     };
-    let difference = |joint: &JointResidual| {
-        let j = joint.joint;
-        let rms = held_out.rms_after[j];
-        // What a given model leaves is no measure of the torque.
-        let louder = if investigation.baseline.frozen || power(j) <= 0.0 {
-            1.0
-        } else {
-            (measured[j] / power(j)).max(1.0)
+    let difference =
+        |joint: &JointResidual| {
+            let j = joint.joint;
+            let rms = held_out.rms_after[j];
+            // What a given model leaves is no measure of the torque.
+            let louder = if investigation.baseline.frozen || power(j) <= 0.0 {
+                1.0
+            } else {
+                (measured[j] / power(j)).max(1.0)
+            };
+            let expected =
+                held_out.rms_floor[j].powi(2).max(louder * joint.unexplained_rms.powi(2)) + uncertain[j];
+            let is_judged = rms.is_finite() && power(j) > 0.0 && !apart.contains(&j);
+            let predicts_nothing = !investigation.baseline.frozen
+                && rms * rms > measured[j]
+                && has_structure(rms * rms, held_out.rms_floor[j].powi(2));
+            (is_judged && (has_structure(rms * rms, expected) || predicts_nothing))
+                .then(|| HeldOutDifference { joint: j, rms, expected_rms: expected.sqrt() })
         };
-        let expected =
-            held_out.rms_floor[j].powi(2).max(louder * joint.unexplained_rms.powi(2)) + uncertain[j];
-        let is_judged = rms.is_finite() && power(j) > 0.0 && !apart.contains(&j);
-        let predicts_nothing = !investigation.baseline.frozen
-            && rms * rms > measured[j]
-            && has_structure(rms * rms, held_out.rms_floor[j].powi(2));
-        (is_judged && (has_structure(rms * rms, expected) || predicts_nothing))
-            .then(|| HeldOutDifference { joint: j, rms, expected_rms: expected.sqrt() })
-    };
     residual.iter().filter_map(difference).collect()
 }
 

@@ -20,8 +20,8 @@ mod write;
 
 pub use confidence::Learnt;
 pub use model::{
-    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual, NotDecidable, NotExamined,
-    RegisteredFinding, SCHEMA, Shift, Verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
+    NotDecidable, NotExamined, RegisteredFinding, SCHEMA, Shift, Verdict,
 };
 pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use write::verdict as write_verdict;

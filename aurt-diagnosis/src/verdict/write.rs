@@ -15,8 +15,8 @@ use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
 use crate::verdict::faults::fault_findings;
-use crate::verdict::held_out::{differences, errors as errors_on_held_out};
 use crate::verdict::findings::{delay_finding, findings, indications};
+use crate::verdict::held_out::{differences, errors as errors_on_held_out};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
