@@ -5,7 +5,7 @@ mod mcap;
 #[cfg(feature = "parquet")]
 mod parquet;
 
+#[cfg(feature = "mcap")]
+pub use self::mcap::{JointTopic, mcap};
 #[cfg(feature = "parquet")]
 pub use self::parquet::parquet;
-#[cfg(feature = "mcap")]
-pub use mcap::{JointTopic, mcap};
