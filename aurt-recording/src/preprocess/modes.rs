@@ -56,14 +56,14 @@ impl Modes {
             .map(|(k, p)| {
                 let mut residue = Complex::from(design.gain);
                 for _ in 0..design.order {
-                    residue = residue * (*p + Complex::from(1.0));
+                    residue *= *p + Complex::from(1.0);
                 }
                 for (j, other) in poles.iter().enumerate() {
                     if j != k {
-                        residue = residue / (*p - *other);
+                        residue /= *p - *other;
                     }
                     if other.im != 0.0 {
-                        residue = residue / (*p - other.conj());
+                        residue /= *p - other.conj();
                     }
                 }
                 residue
@@ -133,9 +133,9 @@ impl Modes {
         let one = Complex::from(1.0);
         let mut sum = Complex::default();
         for (r, value) in self.poles.iter().zip(values) {
-            sum = sum + *value / (one - p * *r);
+            sum += *value / (one - p * *r);
             if r.im != 0.0 {
-                sum = sum + value.conj() / (one - p * r.conj());
+                sum += value.conj() / (one - p * r.conj());
             }
         }
         sum
