@@ -53,6 +53,8 @@ mod error;
 mod foreign;
 mod format;
 mod formats;
+#[cfg(feature = "parquet")]
+mod guarded;
 mod joined;
 #[cfg(feature = "lerobot")]
 mod lerobot;
@@ -77,6 +79,8 @@ mod spread;
 #[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
+#[cfg(feature = "parquet")]
+pub use self::parquet::Parquet;
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
 pub use branches::BranchMotion;
@@ -93,8 +97,6 @@ pub use noise::{
 };
 #[cfg(feature = "numpy")]
 pub use numpy::NumPy;
-#[cfg(feature = "parquet")]
-pub use parquet::Parquet;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,

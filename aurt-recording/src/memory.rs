@@ -24,6 +24,12 @@ impl<'a> Memory<'a> {
         Self { path, allowed_bytes: options.memory_bytes.unwrap_or_else(usual) }
     }
 
+    /// For a file, with that bound.
+    #[cfg(feature = "parquet")]
+    pub(crate) const fn bounded(path: &'a Path, allowed_bytes: u64) -> Self {
+        Self { path, allowed_bytes }
+    }
+
     pub(crate) const fn path(&self) -> &'a Path {
         self.path
     }

@@ -138,7 +138,7 @@ fn a_table_is_refused_by_the_rows_that_its_footer_states() {
     let path = folder.path().join("a.parquet");
     let stamps: Vec<f64> = (0..200_000).map(|k| 1e-3 * f64::from(k)).collect();
     let columns = [("time".to_owned(), stamps.as_slice()), ("q_0".to_owned(), stamps.as_slice())];
-    std::fs::write(&path, aurt_recording::parquet(&columns, &[])).unwrap();
+    std::fs::write(&path, aurt_recording::parquet(&path, &columns, &[]).unwrap()).unwrap();
     assert!(needed(&path, 3 * MEGABYTE) >= 8 * 2 * 200_000);
     assert_eq!(read(&path, 32 * MEGABYTE).unwrap(), stamps.len());
 }
@@ -209,6 +209,6 @@ fn wide_rows_are_counted_before_many_are_held() {
     let columns: Vec<(String, &[f64])> = std::iter::once(("time".to_owned(), stamps.as_slice()))
         .chain((0..100).map(|k| (names(k), zeros.as_slice())))
         .collect();
-    std::fs::write(&path, aurt_recording::parquet(&columns, &[])).unwrap();
+    std::fs::write(&path, aurt_recording::parquet(&path, &columns, &[]).unwrap()).unwrap();
     assert!(needed(&path, 3 * MEGABYTE) < 16 * MEGABYTE);
 }

@@ -39,7 +39,7 @@ fn parquet_gives_back_every_bit() {
     for k in 0..20 {
         columns.push((format!("other_{k}"), &stamps));
     }
-    let bytes = parquet(&columns, &[("model", "rd_calibrated.json".into())]);
+    let bytes = parquet(Path::new("a.parquet"), &columns, &[("model", "rd_calibrated.json".into())]).unwrap();
     let columns = ColumnSelection {
         measurement: Some(ColumnsRef::Prefix("predicted_torque".into())),
         ..ColumnSelection::default()

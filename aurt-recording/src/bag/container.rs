@@ -1,12 +1,11 @@
 use std::io::{Read, Seek, SeekFrom, copy};
 
-use ruzstd::decoding::StreamingDecoder;
+use zstd::stream::read::Decoder;
 
-use crate::bag::btree::SQLITE_MAGIC;
 use crate::bag::mcap::{MCAP_MAGIC, McapFile};
 use crate::bag::reading::read;
 use crate::bag::records::{Container, ZSTD};
-use crate::bag::sqlite::SqliteFile;
+use crate::bag::sqlite::{SQLITE_MAGIC, SqliteFile};
 use crate::error::RecordingError;
 use crate::format::{BEGINNING_BYTES, RecordingFormat, RecordingInput, Visit, unreadable};
 use crate::memory::Memory;
@@ -57,12 +56,13 @@ pub(super) fn container<'a>(
     input: RecordingInput<'a>,
     memory: Memory<'a>,
 ) -> Result<Box<dyn Container + 'a>, RecordingError> {
-    let input = if input.beginning.starts_with(ZSTD) { unpacked(&input, memory)? } else { input };
+    let is_named = !input.beginning.starts_with(ZSTD);
+    let input = if is_named { input } else { unpacked(&input, memory)? };
     if input.beginning.starts_with(MCAP_MAGIC) {
         return Ok(Box::new(McapFile { input, memory }));
     }
     if input.beginning.starts_with(SQLITE_MAGIC) {
-        return Ok(Box::new(SqliteFile::new(input)?));
+        return Ok(Box::new(SqliteFile::new(&input, is_named)?));
     }
     Err(RecordingError::Malformed {
         path: input.path.to_owned(),
@@ -86,7 +86,7 @@ fn unpacked<'a>(
         remedy: "copy the file again".to_owned(),
     };
     let spilled = |source| RecordingError::Spill { path: path.to_owned(), source };
-    let decoder = StreamingDecoder::new(input.rewound()?).map_err(|error| damaged(error.to_string()))?;
+    let decoder = Decoder::new(input.rewound()?).map_err(|error| damaged(error.to_string()))?;
     let mut file = tempfile::tempfile().map_err(spilled)?;
     let bytes = copy(&mut decoder.take(memory.allowed_bytes().saturating_add(1)), &mut file)
         .map_err(|error| damaged(error.to_string()))?;

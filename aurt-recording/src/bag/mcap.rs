@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use lz4_flex::frame::FrameDecoder;
-use ruzstd::decoding::StreamingDecoder;
+use zstd::stream::read::Decoder;
 
 use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan, name_of};
 use crate::error::RecordingError;
@@ -193,10 +193,7 @@ impl Records for McapRecords<'_> {
 fn unpack(name: &[u8], packed: &[u8], size: u64, chunk: &mut Vec<u8>) -> Result<io::Result<usize>, Ending> {
     Ok(match name {
         b"lz4" => FrameDecoder::new(packed).take(size).read_to_end(chunk),
-        b"zstd" => match StreamingDecoder::new(packed) {
-            Ok(decoder) => decoder.take(size).read_to_end(chunk),
-            Err(error) => Err(io::Error::other(error.to_string())),
-        },
+        b"zstd" => Decoder::new(packed).and_then(|decoder| decoder.take(size).read_to_end(chunk)),
         other => {
             let name = String::from_utf8_lossy(other);
             return Err(Ending::Wrong(format!("chunks are packed with `{name}`; lz4 and zstd are read")));

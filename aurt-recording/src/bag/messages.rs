@@ -1,7 +1,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use ruzstd::decoding::StreamingDecoder;
+use zstd::stream::read::Decoder;
 
 use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan, ZSTD};
 use crate::bag::topics::Topic;
@@ -92,8 +92,7 @@ impl<'a> Messages<'a> {
             return Ok(());
         }
         let packed = std::mem::take(&mut self.payload);
-        let unpacked = StreamingDecoder::new(packed.as_slice())
-            .map_err(std::io::Error::other)
+        let unpacked = Decoder::new(packed.as_slice())
             .and_then(|decoder| decoder.take(RECORD_LIMIT).read_to_end(&mut self.payload));
         match unpacked {
             Ok(_) => Ok(()),

@@ -1,6 +1,5 @@
 //! Bags of ROS 2 with `sensor_msgs/msg/JointState`: MCAP, SQLite (`.db3`), and folders of several such files.
 
-mod btree;
 mod container;
 mod folder;
 mod joint_state;

@@ -1,29 +1,44 @@
 //! SQLite, the container that ROS 2 recorded into before Jazzy.
 
+use std::io::{Read, Seek, SeekFrom, copy};
 use std::path::{Path, PathBuf};
 
-use crate::bag::btree::{Database, Rows, Value};
-use crate::bag::records::{Container, Ending, Record, Records, Scan, name_of};
+use rusqlite::limits::Limit;
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, Error, ErrorCode, OpenFlags, OptionalExtension, Row, Statement};
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan, name_of};
 use crate::error::RecordingError;
 use crate::format::RecordingInput;
 
+pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
+
 /// An open file.
-pub(super) struct SqliteFile<'a>(RecordingInput<'a>);
+pub(super) struct SqliteFile<'a> {
+    path: &'a Path,
+    database: Connection,
+    /// Whether the file has fewer pages than it says.
+    is_cut: bool,
+    /// A copy that is read in place of the file, where open files keep their names.
+    _copy: Option<TempPath>,
+}
 
 impl<'a> SqliteFile<'a> {
-    /// The file, unless parts of it are still in another one.
+    /// The file, unless parts of it are still in another one; `is_named` says that it stands under its path.
     ///
     /// # Errors
-    /// A journal beside the file, which says that its writer was stopped.
-    pub(super) fn new(input: RecordingInput<'a>) -> Result<Self, RecordingError> {
+    /// A journal beside the file, which says that its writer was stopped; a file that is no database.
+    pub(super) fn new(input: &RecordingInput<'a>, is_named: bool) -> Result<Self, RecordingError> {
+        let path = input.path;
         for ending in ["-wal", "-journal"] {
-            let mut journal = input.path.as_os_str().to_owned();
+            let mut journal = path.as_os_str().to_owned();
             journal.push(ending);
             let journal = PathBuf::from(journal);
             if journal.metadata().is_ok_and(|m| m.len() > 0) {
-                let file = input.path.display();
+                let file = path.display();
                 return Err(RecordingError::Malformed {
-                    path: input.path.to_owned(),
+                    path: path.to_owned(),
                     place: format!("with {}", journal.display()),
                     reason: "its recorder was stopped before it wrote all messages into the file".to_owned(),
                     remedy: format!(
@@ -32,7 +47,68 @@ impl<'a> SqliteFile<'a> {
                 });
             }
         }
-        Ok(Self(input))
+        let (whole_bytes, is_cut) = whole_pages(&input.beginning, input.bytes);
+        // SQLite takes what a page at the end lacks for zeros, so it is given whole pages only.
+        let copy =
+            (!is_named || whole_bytes < input.bytes).then(|| copied(input, whole_bytes)).transpose()?;
+        let opened = open(copy.as_deref().unwrap_or(path));
+        let database = opened.map_err(|error| malformed(path, format!("it cannot be opened: {error}")))?;
+        Ok(Self { path, database, is_cut, _copy: copy.filter(|_| cfg!(not(unix))) })
+    }
+}
+
+/// Bytes of the whole pages of a file, and whether its header counts more of them.
+fn whole_pages(beginning: &[u8], bytes: u64) -> (u64, bool) {
+    let page_bytes = match beginning.get(16..18) {
+        Some([0, 1]) => 1 << 16,
+        Some([high, low]) => u64::from(u16::from_be_bytes([*high, *low])),
+        _ => 0,
+    };
+    let counted = beginning.get(28..32).and_then(|count| count.first_chunk());
+    let counted = u64::from(counted.map_or(0, |count| u32::from_be_bytes(*count)));
+    let whole_bytes = bytes.checked_div(page_bytes).unwrap_or(0) * page_bytes;
+    (whole_bytes, whole_bytes < bytes || counted * page_bytes > bytes)
+}
+
+fn copied(input: &RecordingInput<'_>, bytes: u64) -> Result<TempPath, RecordingError> {
+    let spill = |source| RecordingError::Spill { path: input.path.to_owned(), source };
+    let mut file = &input.file;
+    file.seek(SeekFrom::Start(0)).map_err(spill)?;
+    let mut made = NamedTempFile::new().map_err(spill)?;
+    copy(&mut file.take(bytes), &mut made).map_err(spill)?;
+    Ok(made.into_temp_path())
+}
+
+/// Opens a database as bytes that nobody changes, without locks and files beside it.
+fn open(path: &Path) -> Result<Connection, Error> {
+    let mut uri = "file:".to_owned();
+    for byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'.' | b'_' | b'-' | b'/' => {
+                uri.push(char::from(*byte))
+            }
+            b'\\' if cfg!(windows) => uri.push('/'),
+            byte => uri.push_str(&format!("%{byte:02x}")),
+        }
+    }
+    uri.push_str("?immutable=1");
+    let only =
+        OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let database = Connection::open_with_flags(uri, only)?;
+    database.set_limit(Limit::SQLITE_LIMIT_LENGTH, RECORD_LIMIT as i32)?;
+    // With a schema that may be written, which it is not, files with fewer pages than they say are read as well.
+    database.execute_batch(
+        "PRAGMA writable_schema = ON; PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0",
+    )?;
+    Ok(database)
+}
+
+fn malformed(path: &Path, reason: String) -> RecordingError {
+    RecordingError::Malformed {
+        path: path.to_owned(),
+        place: "its tables".to_owned(),
+        reason,
+        remedy: "copy the file again; rosbag2 writes tables `topics` and `messages`".to_owned(),
     }
 }
 
@@ -42,54 +118,101 @@ impl Container for SqliteFile<'_> {
     }
 
     fn path(&self) -> &Path {
-        self.0.path
+        self.path
     }
 
     fn records<'a>(&'a self, scan: Scan<'a>) -> Result<Box<dyn Records + 'a>, RecordingError> {
-        let file = self.0.rewound()?;
         let wanted = if let Scan::Messages(channels) = scan { Some(channels) } else { None };
-        let opened = Database::open(file).and_then(|database| SqliteRecords::new(&database, wanted));
-        opened.map(|records| Box::new(records) as Box<dyn Records + 'a>).map_err(|ending| {
-            let reason = match ending {
-                Ending::BreaksOff => "the file ends before its first message".to_owned(),
-                Ending::Wrong(reason) => reason,
-            };
-            RecordingError::Malformed {
-                path: self.0.path.to_owned(),
-                place: "its tables".to_owned(),
-                reason,
-                remedy: "copy the file again; rosbag2 writes tables `topics` and `messages`".to_owned(),
+        match SqliteRecords::new(self, wanted) {
+            Ok(records) => Ok(Box::new(records)),
+            Err(_) if self.is_cut => {
+                Err(malformed(self.path, "the file ends before its first message".to_owned()))
             }
-        })
+            Err(error) => {
+                Err(malformed(self.path, format!("they are not those of a bag of rosbag2: {error}")))
+            }
+        }
     }
 }
 
-/// The rows of one table.
+/// The rows of one table, in the order of their numbers.
 struct SqliteRecords<'a> {
-    rows: Rows<'a>,
-    /// Where the values are in a row: number, name, type and encoding of a topic; topic, time and bytes of a message.
-    places: Vec<usize>,
-    /// The topics whose messages are read, in ascending order; none where topics are read.
-    wanted: Option<&'a [u64]>,
+    file: &'a SqliteFile<'a>,
+    /// The row after a number.
+    next: Statement<'a>,
+    /// Time and bytes of the message of a number; of other messages, which may be pictures, no more is read than stands
+    /// beside their topic.
+    message: Option<Statement<'a>>,
+    /// The topics whose messages are read, in ascending order.
+    wanted: &'a [u64],
+    row: i64,
     /// The topic whose schema was handed out.
     described: Option<(u64, [String; 2])>,
 }
 
 impl<'a> SqliteRecords<'a> {
-    fn new(database: &Database<'a>, wanted: Option<&'a [u64]>) -> Result<Self, Ending> {
-        let (table, columns): (_, &[&str]) = match wanted {
-            None => ("topics", &["id", "name", "type", "serialization_format"]),
-            Some(_) => ("messages", &["topic_id", "timestamp", "data"]),
+    fn new(file: &'a SqliteFile<'a>, wanted: Option<&'a [u64]>) -> Result<Self, Error> {
+        let (table, columns) = match wanted {
+            None => ("topics", "id, name, type, serialization_format"),
+            Some(_) => ("messages", "topic_id"),
         };
-        let lacking = |what: &str| Ending::Wrong(format!("it has no {what}, so it is not a bag of rosbag2"));
-        let (root, known) = database.table(table)?.ok_or_else(|| lacking(&format!("table `{table}`")))?;
-        let place = |name: &&str| {
-            let place = known.iter().position(|column| column == name);
-            place.ok_or_else(|| lacking(&format!("column `{name}` in its table `{table}`")))
-        };
-        let places = columns.iter().map(place).collect::<Result<_, _>>()?;
-        Ok(Self { rows: database.rows(root), places, wanted, described: None })
+        // A view can compute without end.
+        let known = "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND rootpage > 0";
+        file.database.query_row(known, [table], |_| Ok(()))?;
+        let rows = format!(
+            "SELECT rowid, {columns} FROM {table} NOT INDEXED WHERE rowid > ?1 ORDER BY rowid LIMIT 1"
+        );
+        let message = "SELECT timestamp, data FROM messages WHERE rowid = ?1";
+        Ok(Self {
+            file,
+            next: file.database.prepare(&rows)?,
+            message: wanted.map(|_| file.database.prepare(message)).transpose()?,
+            wanted: wanted.unwrap_or(&[]),
+            row: i64::MIN,
+            described: None,
+        })
     }
+
+    fn step(&mut self, take: &mut dyn FnMut(Record<'_>)) -> Result<bool, Error> {
+        let number = |value: ValueRef<'_>| value.as_i64().ok().and_then(|id| u64::try_from(id).ok());
+        let last = self.row;
+        // Where numbers are damaged, SQLite may find a row that was before.
+        let ascending = |row: &Row<'_>| match row.get(0)? {
+            row if row > last => Ok(row),
+            row => Err(Error::IntegralValueOutOfRange(0, row)),
+        };
+        let Some(message) = &mut self.message else {
+            let topic = self.next.query_row([self.row], |row| {
+                let name = |column| Ok::<_, Error>(name_of(bytes(row.get_ref(column)?).unwrap_or(&[])));
+                Ok((ascending(row)?, number(row.get_ref(1)?), [name(2)?, name(4)?], name(3)?))
+            });
+            let Some((row, id, names, schema)) = topic.optional()? else { return Ok(false) };
+            self.row = row;
+            if let Some(id) = id {
+                take(Record::Schema { id, name: schema });
+                self.described = Some((id, names));
+            }
+            return Ok(true);
+        };
+        let found = self.next.query_row([self.row], |row| Ok((ascending(row)?, number(row.get_ref(1)?))));
+        let Some((row, topic)) = found.optional()? else { return Ok(false) };
+        self.row = row;
+        let Some(channel) = topic.filter(|topic| self.wanted.binary_search(topic).is_ok()) else {
+            take(Record::Other);
+            return Ok(true);
+        };
+        message.query_row([self.row], |row| {
+            if let (Ok(log_ns), Some(data)) = (row.get_ref(0)?.as_i64(), bytes(row.get_ref(1)?)) {
+                take(Record::Message { channel, log_ns, data });
+            }
+            Ok(true)
+        })
+    }
+}
+
+/// The bytes of a text or a blob.
+fn bytes(value: ValueRef<'_>) -> Option<&[u8]> {
+    if let ValueRef::Text(bytes) | ValueRef::Blob(bytes) = value { Some(bytes) } else { None }
 }
 
 impl Records for SqliteRecords<'_> {
@@ -98,31 +221,9 @@ impl Records for SqliteRecords<'_> {
             take(Record::Channel { id, schema: id, topic, encoding });
             return Ok(true);
         }
-        if !self.rows.advance()? {
-            return Ok(false);
-        }
-        let number = |value: Option<i64>| value.and_then(|v| u64::try_from(v).ok());
-        let Some(wanted) = self.wanted else {
-            self.rows.complete()?;
-            let values = self.rows.values();
-            let value = |k: usize| values.get(self.places[k]).copied().unwrap_or(Value::Other);
-            let Some(id) = number(value(0).integer()) else { return Ok(true) };
-            take(Record::Schema { id, name: name_of(value(2).bytes()) });
-            self.described = Some((id, [name_of(value(1).bytes()), name_of(value(3).bytes())]));
-            return Ok(true);
-        };
-        // Of other messages, which may be pictures, no more is read than stands beside their topic.
-        let topic = self.rows.values().get(self.places[0]).and_then(|v| number(v.integer()));
-        let Some(channel) = topic.filter(|topic| wanted.binary_search(topic).is_ok()) else {
-            take(Record::Other);
-            return Ok(true);
-        };
-        self.rows.complete()?;
-        let values = self.rows.values();
-        let value = |k: usize| values.get(self.places[k]).copied().unwrap_or(Value::Other);
-        if let (Some(log_ns), Value::Bytes(data)) = (value(1).integer(), value(2)) {
-            take(Record::Message { channel, log_ns, data });
-        }
-        Ok(true)
+        self.step(take).map_err(|error| match error.sqlite_error_code() {
+            Some(ErrorCode::DatabaseCorrupt) if self.file.is_cut => Ending::BreaksOff,
+            _ => Ending::Wrong(error.to_string()),
+        })
     }
 }

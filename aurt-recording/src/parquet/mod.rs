@@ -1,31 +1,30 @@
 //! Apache Parquet, the tables of pandas, Polars, Spark and LeRobot.
 //!
-//! Source: Apache Parquet, "File Format" (`parquet.thrift`, `Encodings.md`). The crate `parquet` reads zstd, which Polars
-//! writes by default, only with a C compiler, and brings some twenty crates; a recording needs columns of numbers alone,
-//! hence this reader.
+//! The crate `parquet` decodes it; the sizes that footers and pages claim are bounded before it makes room for them.
 
-mod encodings;
+mod column;
 mod footer;
-mod pages;
-mod thrift;
 
 use std::fs::File;
-use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::Arc;
+
+use parquet::file::metadata::ParquetMetaData;
 
 use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
-use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::format::{RecordingFormat, RecordingInput, Visit, unreadable};
 use crate::memory::Memory;
-use crate::parquet::footer::{Footer, Leaf, Number};
-use crate::parquet::pages::{Column, Problem};
+use crate::parquet::column::{Column, Problem};
+use crate::parquet::footer::{Leaf, Number, leaves};
 use crate::read_options::ReadOptions;
 use crate::recorded_as::TimeUnit;
 use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"PAR1";
-/// Bytes that a footer may have.
-const FOOTER_LIMIT: u64 = 1 << 28;
+/// Memory that each byte of a footer may take once it is decoded.
+const FOOTER_FACTOR: u64 = 64;
 /// The column that LeRobot counts its episodes in.
 const EPISODE: &str = "episode_index";
 /// Time between two episodes; no filter reaches across it.
@@ -60,14 +59,16 @@ impl RecordingFormat for Parquet {
         piece_rows: usize,
         visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
-        let footer = footer(&input)?;
         let memory = Memory::of(input.path, input.bytes, options);
-        Reader { path: input.path, memory, file: input.rewound()?, options, footer }.read(piece_rows, visit)
+        let metadata = footer(&input, memory)?;
+        let file = input.rewound()?.try_clone().map_err(|source| unreadable(input.path, source))?;
+        let reader = Reader { path: input.path, memory, file: Arc::new(file), options, metadata };
+        reader.read(piece_rows, visit)
     }
 }
 
 /// Reads the footer, which is at the end of the file.
-fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
+fn footer(input: &RecordingInput<'_>, memory: Memory<'_>) -> Result<ParquetMetaData, RecordingError> {
     let refused = |reason: &str, remedy: &str| RecordingError::Malformed {
         path: input.path.to_owned(),
         place: "its footer".to_owned(),
@@ -84,7 +85,7 @@ fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
         return Err(refused("the file is encrypted", "write it without encryption"));
     }
     let mut file = input.rewound()?;
-    let unreadable = |source| crate::format::unreadable(input.path, source);
+    let unreadable = |source| unreadable(input.path, source);
     let end = file.seek(SeekFrom::End(0)).map_err(unreadable)?;
     let begin = end.checked_sub(8).ok_or_else(cut)?;
     file.seek(SeekFrom::Start(begin)).map_err(unreadable)?;
@@ -92,24 +93,25 @@ fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
     file.read_exact(&mut tail).map_err(unreadable)?;
     let [length @ .., b'P', b'A', b'R', b'1'] = tail else { return Err(cut()) };
     let length = u64::from(u32::from_le_bytes(length));
-    let begin = begin.checked_sub(length).filter(|_| length <= FOOTER_LIMIT).ok_or_else(cut)?;
+    let begin = begin.checked_sub(length).ok_or_else(cut)?;
+    memory.claim("its footer", FOOTER_FACTOR * length)?;
     file.seek(SeekFrom::Start(begin)).map_err(unreadable)?;
     let mut bytes = Vec::new();
     file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
-    Footer::read(Cursor::new(bytes)).ok_or_else(cut)
+    footer::decode(&bytes).ok_or_else(cut)
 }
 
 struct Reader<'a> {
     path: &'a Path,
     memory: Memory<'a>,
-    file: &'a File,
+    file: Arc<File>,
     options: &'a ReadOptions,
-    footer: Footer,
+    metadata: ParquetMetaData,
 }
 
 impl Reader<'_> {
-    fn read(mut self, piece_rows: usize, visit: Visit<'_>) -> Result<Recording, RecordingError> {
-        let leaves = std::mem::take(&mut self.footer.leaves);
+    fn read(self, piece_rows: usize, visit: Visit<'_>) -> Result<Recording, RecordingError> {
+        let (leaves, others) = leaves(self.metadata.file_metadata().schema_descr());
         let (mut names, mut places, mut unfit) = (Vec::new(), Vec::new(), Vec::new());
         for (k, leaf) in leaves.iter().enumerate() {
             let width = if leaf.listed.is_some() { self.first_row(leaf)?.len() } else { 1 };
@@ -124,8 +126,7 @@ impl Reader<'_> {
             }
         }
         if names.is_empty() {
-            let others = self.footer.others.join(", ");
-            let found = format!("none of its columns are numbers: {others}");
+            let found = format!("none of its columns are numbers: {}", others.join(", "));
             return Err(RecordingError::NoRows { path: self.path.to_owned(), found });
         }
         let count = names.len();
@@ -157,8 +158,9 @@ impl Reader<'_> {
                 "episodes by `{EPISODE}` follow each other at a distance of {BETWEEN_EPISODES_S} s"
             ));
         }
-        table.make_room(self.footer.rows, piece_rows)?;
-        let (mut left, mut values) = (self.footer.rows, vec![0.0; row_width]);
+        let rows = u64::try_from(self.metadata.file_metadata().num_rows()).unwrap_or(0);
+        table.make_room(rows, piece_rows)?;
+        let (mut left, mut values) = (rows, vec![0.0; row_width]);
         let sources: Vec<usize> = wanted.iter().map(|(leaf, part)| begins[*leaf] + part).collect();
         let mut recording = table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
             if left == 0 {
@@ -183,9 +185,7 @@ impl Reader<'_> {
     }
 
     fn column(&self, leaf: &Leaf, width: Option<usize>) -> Column<'_> {
-        let groups = self.footer.groups.iter().filter(|(rows, _)| *rows > 0);
-        let chunks: Vec<_> = groups.map(|(_, chunks)| chunks[leaf.place]).collect();
-        Column::new(self.file, self.memory, leaf, &chunks, width)
+        Column::new(&self.file, self.memory, leaf, &self.metadata, width)
     }
 
     fn first_row(&self, leaf: &Leaf) -> Result<Vec<f64>, RecordingError> {
@@ -225,7 +225,7 @@ impl Reader<'_> {
     fn failed(&self, column: &str, problem: Problem) -> RecordingError {
         let (reason, remedy) = match problem {
             Problem::TooLarge(error) => return error,
-            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file again"),
+            Problem::Damaged(reason) => (reason, "copy or write the file again"),
             Problem::Unknown(what) => (
                 format!("it has {what}, which are not supported"),
                 "write it as pandas does, with compression \"snappy\", \"gzip\" or \"zstd\"",

@@ -1,12 +1,12 @@
 use std::ops::Range;
 
 use aurt_traits::Dispatch;
+use num_complex::Complex64 as Complex;
 
 use crate::error::RecordingError;
 use crate::preprocess::bank_kernel::{
     CHUNK, Lanes, PackRows, PackSamples, PackState, Sums, run_backward, take_in,
 };
-use crate::preprocess::complex::Complex;
 use crate::preprocess::modes::{Modes, State, WIDTH};
 use crate::preprocess::zero_phase::ZeroPhase;
 

@@ -1,6 +1,6 @@
-use std::f64::consts::PI;
+use num_complex::Complex64 as Complex;
 
-use crate::preprocess::complex::Complex;
+use std::f64::consts::PI;
 
 /// A second-order section in the usual notation,
 /// H(z) = (b₀ + b₁z⁻¹ + b₂z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²).
@@ -42,13 +42,10 @@ impl Butterworth {
         for step in (first..order).step_by(2) {
             let angle = PI * step as f64 / (2 * order) as f64;
             let analogue = Complex::new(-libm::cos(angle) * warped, libm::sin(angle) * warped);
-            let denominator = Complex::real(twice_rate) - analogue;
-            poles.push((Complex::real(twice_rate) + analogue) / denominator);
-            gain *= if step == 0 {
-                warped / denominator.re
-            } else {
-                warped * warped / denominator.norm_squared()
-            };
+            let denominator = Complex::from(twice_rate) - analogue;
+            poles.push((Complex::from(twice_rate) + analogue) / denominator);
+            gain *=
+                if step == 0 { warped / denominator.re } else { warped * warped / denominator.norm_sqr() };
         }
         // An odd order has one zero at the origin more than sections have use for; scipy gives it to the least
         // damped section whose poles it is nearer to than to the zeros at −1.
@@ -60,7 +57,7 @@ impl Butterworth {
             .map(|(k, pole)| {
                 let scale = if k == 0 { gain } else { 1.0 };
                 let b = if odd && k == short { [scale, scale, 0.0] } else { [scale, 2.0 * scale, scale] };
-                let a = if odd && k == 0 { [-pole.re, 0.0] } else { [-2.0 * pole.re, pole.norm_squared()] };
+                let a = if odd && k == 0 { [-pole.re, 0.0] } else { [-2.0 * pole.re, pole.norm_sqr()] };
                 Section { b, a }
             })
             .collect();
@@ -75,7 +72,7 @@ impl Butterworth {
 
     /// Samples after which every transient has decayed by the factor `relative`.
     pub(crate) fn decay_samples(&self, relative: f64) -> usize {
-        let slowest = self.poles.iter().map(|p| p.norm_squared().sqrt()).fold(0.0, f64::max);
+        let slowest = self.poles.iter().map(|p| p.norm_sqr().sqrt()).fold(0.0, f64::max);
         // The poles lie inside the unit circle, but for absurdly low cut-offs rounding may put them on it.
         (libm::log(relative) / libm::log(slowest.min(1.0 - f64::EPSILON))).ceil().max(1.0) as usize
     }

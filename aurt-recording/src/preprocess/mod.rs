@@ -4,7 +4,6 @@ mod bank;
 mod bank_kernel;
 mod butterworth;
 pub(crate) mod clock;
-mod complex;
 mod decimate;
 pub(crate) mod differentiate;
 mod modes;

@@ -1,5 +1,6 @@
+use num_complex::Complex64 as Complex;
+
 use crate::preprocess::butterworth::Butterworth;
-use crate::preprocess::complex::Complex;
 
 /// Columns in a pack, and weights per sample: two modes, real and imaginary part, forward and backward.
 pub(super) const WIDTH: usize = 8;
@@ -53,16 +54,16 @@ impl Modes {
             .iter()
             .enumerate()
             .map(|(k, p)| {
-                let mut residue = Complex::real(design.gain);
+                let mut residue = Complex::from(design.gain);
                 for _ in 0..design.order {
-                    residue = residue * (*p + Complex::real(1.0));
+                    residue *= *p + Complex::from(1.0);
                 }
                 for (j, other) in poles.iter().enumerate() {
                     if j != k {
-                        residue = residue / (*p - *other);
+                        residue /= *p - *other;
                     }
                     if other.im != 0.0 {
-                        residue = residue / (*p - other.conjugate());
+                        residue /= *p - other.conj();
                     }
                 }
                 residue
@@ -79,7 +80,7 @@ impl Modes {
         modes.mirrored_gain = modes
             .poles
             .iter()
-            .map(|p| Complex::real(modes.direct) + *p * modes.against_all(*p, &modes.residues))
+            .map(|p| Complex::from(modes.direct) + *p * modes.against_all(*p, &modes.residues))
             .collect();
         modes.centre = modes.direct * modes.direct
             + modes.real_sum(|k| modes.residues[k] * modes.against_all(modes.poles[k], &modes.residues));
@@ -100,13 +101,13 @@ impl Modes {
             let pole = self.poles[*k];
             let at = 2 * slot;
             for (i, lanes) in group.weights.iter_mut().enumerate() {
-                put(lanes, at, pole.power(factor - 1 - i));
+                put(lanes, at, power(pole, factor - 1 - i));
                 if i > 0 {
-                    put(lanes, WIDTH / 2 + at, pole.power(i - 1));
+                    put(lanes, WIDTH / 2 + at, power(pole, i - 1));
                 }
             }
-            put(&mut group.step, at, pole.power(factor));
-            put(&mut group.bridge, at, pole.power(factor - 1));
+            put(&mut group.step, at, power(pole, factor));
+            put(&mut group.bridge, at, power(pole, factor - 1));
             put(&mut group.output, at, self.multiplicity(*k) * self.residues[*k] * self.mirrored_gain[*k]);
         }
         group
@@ -114,12 +115,12 @@ impl Modes {
 
     /// p^n of the two modes of a group.
     pub(super) fn powers(&self, group: usize, n: usize) -> State {
-        let power = |k: usize| self.poles.get(k).map_or(Complex::default(), |p| p.power(n));
+        let power = |k: usize| self.poles.get(k).map_or(Complex::default(), |p| power(*p, n));
         [power(2 * group), power(2 * group + 1)]
     }
 
     fn multiplicity(&self, k: usize) -> Complex {
-        Complex::real(if self.poles[k].im == 0.0 { 1.0 } else { 2.0 })
+        Complex::from(if self.poles[k].im == 0.0 { 1.0 } else { 2.0 })
     }
 
     /// Σ over all poles (conjugates included) of a quantity that is conjugate for conjugate poles.
@@ -129,12 +130,12 @@ impl Modes {
 
     /// Σ over all poles r (conjugates included) of value_r / (1 − p r).
     fn against_all(&self, p: Complex, values: &[Complex]) -> Complex {
-        let one = Complex::real(1.0);
+        let one = Complex::from(1.0);
         let mut sum = Complex::default();
         for (r, value) in self.poles.iter().zip(values) {
-            sum = sum + *value / (one - p * *r);
+            sum += *value / (one - p * *r);
             if r.im != 0.0 {
-                sum = sum + value.conjugate() / (one - p * r.conjugate());
+                sum += value.conj() / (one - p * r.conj());
             }
         }
         sum
@@ -146,7 +147,7 @@ impl Modes {
         let padding = head.len() - 1;
         let extended = |k: usize| 2.0 * head[0] - head[padding - k];
         let mut states: Vec<Complex> =
-            self.poles.iter().map(|p| Complex::real(extended(0)) / (Complex::real(1.0) - *p)).collect();
+            self.poles.iter().map(|p| Complex::from(extended(0)) / (Complex::from(1.0) - *p)).collect();
         for k in 1..padding {
             self.advance(&mut states, extended(k));
         }
@@ -167,12 +168,12 @@ impl Modes {
         // The backward pass starts in the steady state of the forward pass's last value, `level`.
         let level = self.direct * extended(padding - 1) + self.real_sum(|k| self.residues[k] * before[k]);
         let weighted: Vec<Complex> = self.residues.iter().zip(&states).map(|(r, s)| *r * *s).collect();
-        let one = Complex::real(1.0);
+        let one = Complex::from(1.0);
         let mut out: Vec<Complex> = self
             .poles
             .iter()
             .zip(&self.mirrored_gain)
-            .map(|(p, gain)| (Complex::real(level) / (one - *p) - self.against_all(*p, &weighted)) / *gain)
+            .map(|(p, gain)| (Complex::from(level) / (one - *p) - self.against_all(*p, &weighted)) / *gain)
             .collect();
         for k in (0..padding).rev() {
             self.advance(&mut out, extended(k));
@@ -184,16 +185,27 @@ impl Modes {
     pub(super) fn run_on(&self, states: &mut [State], samples: &[f64]) {
         for (state, pole) in states.iter_mut().flatten().zip(&self.poles) {
             for x in samples {
-                *state = *pole * *state + Complex::real(*x);
+                *state = *pole * *state + Complex::from(*x);
             }
         }
     }
 
     fn advance(&self, states: &mut [Complex], x: f64) {
         for (state, pole) in states.iter_mut().zip(&self.poles) {
-            *state = *pole * *state + Complex::real(x);
+            *state = *pole * *state + Complex::from(x);
         }
     }
+}
+
+/// z^n by way of polar coordinates, so that the relative error does not grow with n times that of a product.
+fn power(z: Complex, n: usize) -> Complex {
+    if n == 0 {
+        return Complex::from(1.0);
+    }
+    let (modulus, argument) = (libm::hypot(z.re, z.im), libm::atan2(z.im, z.re));
+    let (sine, cosine) = libm::sincos(argument * n as f64);
+    let modulus = libm::pow(modulus, n as f64);
+    Complex::new(modulus * cosine, modulus * sine)
 }
 
 fn put(lanes: &mut [f64], at: usize, value: Complex) {

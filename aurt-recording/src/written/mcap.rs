@@ -1,29 +1,16 @@
 //! Series of joints as MCAP with `sensor_msgs/msg/JointState`: what ROS 2 records, and Foxglove, rerun and PlotJuggler open.
 //!
-//! Source: the MCAP specification, <https://mcap.dev/spec>; `sensor_msgs/msg/JointState.msg`; for CDR see `joint_state`.
+//! Source: `sensor_msgs/msg/JointState.msg`; for CDR see `joint_state`.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::path::Path;
+
+use mcap::records::MessageHeader;
+use mcap::{McapError, WriteOptions};
 
 use crate::error::RecordingError;
 
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-/// Bytes of messages after which a chunk ends.
-const CHUNK_BYTES: usize = 1 << 20;
-
-const HEADER: u8 = 0x01;
-const FOOTER: u8 = 0x02;
-const SCHEMA: u8 = 0x03;
-const CHANNEL: u8 = 0x04;
-const MESSAGE: u8 = 0x05;
-const CHUNK: u8 = 0x06;
-const MESSAGE_INDEX: u8 = 0x07;
-const CHUNK_INDEX: u8 = 0x08;
-const STATISTICS: u8 = 0x0b;
-const SUMMARY_OFFSET: u8 = 0x0e;
-const DATA_END: u8 = 0x0f;
-
-const SCHEMA_ID: u16 = 1;
 const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name
@@ -66,15 +53,19 @@ pub fn mcap(
     topics: &[JointTopic<'_>],
     facts: &[(&str, String)],
 ) -> Result<Vec<u8>, RecordingError> {
-    let mut file = MAGIC.to_vec();
-    record(&mut file, HEADER, |out| {
-        text(out, "ros2");
-        text(out, concat!("aurt ", env!("CARGO_PKG_VERSION")));
-    });
-    let mut kinds = Vec::new();
-    describe(&mut kinds, topics, facts);
-    let mut indices = Vec::new();
-    let mut chunk = Chunk::new(kinds.clone(), topics.len());
+    let failed = |error: McapError| RecordingError::Malformed {
+        path: path.to_owned(),
+        place: "its messages".to_owned(),
+        reason: error.to_string(),
+        remedy: "write Parquet or CSV".to_owned(),
+    };
+    let options = WriteOptions::new().profile("ros2").library(concat!("aurt ", env!("CARGO_PKG_VERSION")));
+    let mut file = options.compression(None).create(Cursor::new(Vec::new())).map_err(failed)?;
+    let schema =
+        file.add_schema("sensor_msgs/msg/JointState", "ros2msg", JOINT_STATE.as_bytes()).map_err(failed)?;
+    let facts: BTreeMap<_, _> = facts.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
+    let add = |topic: &JointTopic<'_>| file.add_channel(schema, topic.name, "cdr", &facts).map_err(failed);
+    let channels = topics.iter().map(add).collect::<Result<Vec<_>, _>>()?;
     for (sample, stamp) in stamps_s.iter().enumerate() {
         let time_ns =
             (origin_s as i64).saturating_mul(1_000_000_000).saturating_add((stamp * 1e9).round() as i64);
@@ -86,216 +77,15 @@ pub fn mcap(
                 remedy: "write Parquet or CSV, or shift the clock".to_owned(),
             });
         };
-        for (channel, topic) in topics.iter().enumerate() {
+        let (log_time, publish_time) = (time_ns as u64, time_ns as u64);
+        for (channel_id, topic) in channels.iter().copied().zip(topics) {
             let message = cdr([seconds as u32, rest as u32], joints, topic, sample);
-            chunk.add(channel, sample, time_ns as u64, &message);
-        }
-        if chunk.bytes.len() > CHUNK_BYTES {
-            indices.push(
-                std::mem::replace(&mut chunk, Chunk::new(kinds.clone(), topics.len())).close(&mut file),
-            );
+            let header = MessageHeader { channel_id, sequence: sample as u32, log_time, publish_time };
+            file.write_to_known_channel(&header, &message).map_err(failed)?;
         }
     }
-    if chunk.messages() > 0 {
-        indices.push(chunk.close(&mut file));
-    }
-    record(&mut file, DATA_END, |out| out.extend(0_u32.to_le_bytes()));
-    close(&mut file, kinds, &indices, topics.len());
-    Ok(file)
-}
-
-/// The summary and the end of the file.
-fn close(file: &mut Vec<u8>, kinds: Vec<u8>, indices: &[ChunkIndex], topics: usize) {
-    let begin = file.len();
-    file.extend(kinds);
-    let statistics = file.len();
-    let first = indices.iter().map(|i| i.times[0]).min().unwrap_or(0);
-    let last = indices.iter().map(|i| i.times[1]).max().unwrap_or(0);
-    let counts: Vec<u64> = (0..topics).map(|t| indices.iter().map(|i| i.counts[t]).sum()).collect();
-    record(file, STATISTICS, |out| {
-        out.extend(counts.iter().sum::<u64>().to_le_bytes());
-        out.extend(1_u16.to_le_bytes());
-        out.extend((topics as u32).to_le_bytes());
-        out.extend([0; 8]);
-        out.extend((indices.len() as u32).to_le_bytes());
-        out.extend(first.to_le_bytes());
-        out.extend(last.to_le_bytes());
-        pairs(out, counts.iter().enumerate().map(|(t, count)| (t as u16, *count)));
-    });
-    let chunks = file.len();
-    for index in indices {
-        index.write(file);
-    }
-    let offsets = file.len();
-    // Schema and channels stand together; readers go through them one by one.
-    let channels = begin + 9 + length_at(file, begin);
-    for (kind, group) in [
-        (SCHEMA, begin..channels),
-        (CHANNEL, channels..statistics),
-        (STATISTICS, statistics..chunks),
-        (CHUNK_INDEX, chunks..offsets),
-    ] {
-        if group.is_empty() {
-            continue;
-        }
-        record(file, SUMMARY_OFFSET, |out| {
-            out.push(kind);
-            out.extend((group.start as u64).to_le_bytes());
-            out.extend((group.len() as u64).to_le_bytes());
-        });
-    }
-    record(file, FOOTER, |out| {
-        out.extend((begin as u64).to_le_bytes());
-        out.extend((offsets as u64).to_le_bytes());
-        out.extend(0_u32.to_le_bytes());
-    });
-    file.extend(MAGIC);
-}
-
-/// The length of the record that begins at a place.
-fn length_at(file: &[u8], at: usize) -> usize {
-    let length = file.get(at + 1..at + 9).and_then(|b| b.try_into().ok()).unwrap_or_default();
-    u64::from_le_bytes(length) as usize
-}
-
-/// The schema and the channels.
-fn describe(out: &mut Vec<u8>, topics: &[JointTopic<'_>], facts: &[(&str, String)]) {
-    record(out, SCHEMA, |out| {
-        out.extend(SCHEMA_ID.to_le_bytes());
-        text(out, "sensor_msgs/msg/JointState");
-        text(out, "ros2msg");
-        text(out, JOINT_STATE);
-    });
-    for (id, topic) in topics.iter().enumerate() {
-        record(out, CHANNEL, |out| {
-            out.extend((id as u16).to_le_bytes());
-            out.extend(SCHEMA_ID.to_le_bytes());
-            text(out, topic.name);
-            text(out, "cdr");
-            let mut map = Vec::new();
-            for (key, value) in facts {
-                text(&mut map, key);
-                text(&mut map, value);
-            }
-            out.extend((map.len() as u32).to_le_bytes());
-            out.extend(map);
-        });
-    }
-}
-
-/// Messages that are written together.
-struct Chunk {
-    bytes: Vec<u8>,
-    /// Of the first and of the last message, ns.
-    times: [u64; 2],
-    /// For each channel the times of its messages and where they are in the chunk.
-    places: Vec<Vec<(u64, u64)>>,
-}
-
-/// Where a chunk is.
-struct ChunkIndex {
-    times: [u64; 2],
-    chunk: Range<usize>,
-    indices: Vec<(u16, u64)>,
-    indices_bytes: usize,
-    bytes: usize,
-    counts: Vec<u64>,
-}
-
-impl Chunk {
-    fn new(kinds: Vec<u8>, topics: usize) -> Self {
-        Self { bytes: kinds, times: [u64::MAX, 0], places: vec![Vec::new(); topics] }
-    }
-
-    fn messages(&self) -> usize {
-        self.places.iter().map(Vec::len).sum()
-    }
-
-    fn add(&mut self, channel: usize, sequence: usize, time_ns: u64, message: &[u8]) {
-        let [first, last] = self.times;
-        self.times = [first.min(time_ns), last.max(time_ns)];
-        self.places[channel].push((time_ns, self.bytes.len() as u64));
-        record(&mut self.bytes, MESSAGE, |out| {
-            out.extend((channel as u16).to_le_bytes());
-            out.extend((sequence as u32).to_le_bytes());
-            out.extend(time_ns.to_le_bytes());
-            out.extend(time_ns.to_le_bytes());
-            out.extend(message);
-        });
-    }
-
-    fn close(self, file: &mut Vec<u8>) -> ChunkIndex {
-        let begin = file.len();
-        record(file, CHUNK, |out| {
-            out.extend(self.times.iter().flat_map(|time| time.to_le_bytes()));
-            out.extend((self.bytes.len() as u64).to_le_bytes());
-            out.extend(crc32fast::hash(&self.bytes).to_le_bytes());
-            text(out, "");
-            out.extend((self.bytes.len() as u64).to_le_bytes());
-            out.extend(&self.bytes);
-        });
-        let end = file.len();
-        let mut indices = Vec::new();
-        for (channel, places) in self.places.iter().enumerate() {
-            indices.push((channel as u16, file.len() as u64));
-            record(file, MESSAGE_INDEX, |out| {
-                out.extend((channel as u16).to_le_bytes());
-                out.extend((16 * places.len() as u32).to_le_bytes());
-                for (time, at) in places {
-                    out.extend(time.to_le_bytes());
-                    out.extend(at.to_le_bytes());
-                }
-            });
-        }
-        ChunkIndex {
-            times: self.times,
-            chunk: begin..end,
-            indices,
-            indices_bytes: file.len() - end,
-            bytes: self.bytes.len(),
-            counts: self.places.iter().map(|p| p.len() as u64).collect(),
-        }
-    }
-}
-
-impl ChunkIndex {
-    fn write(&self, file: &mut Vec<u8>) {
-        record(file, CHUNK_INDEX, |out| {
-            out.extend(self.times.iter().flat_map(|time| time.to_le_bytes()));
-            out.extend((self.chunk.start as u64).to_le_bytes());
-            out.extend((self.chunk.len() as u64).to_le_bytes());
-            pairs(out, self.indices.iter().copied());
-            out.extend((self.indices_bytes as u64).to_le_bytes());
-            text(out, "");
-            out.extend((self.bytes as u64).to_le_bytes());
-            out.extend((self.bytes as u64).to_le_bytes());
-        });
-    }
-}
-
-/// A record: its kind, its length, and what `fill` writes.
-fn record(out: &mut Vec<u8>, kind: u8, fill: impl FnOnce(&mut Vec<u8>)) {
-    out.push(kind);
-    let at = out.len();
-    out.extend([0; 8]);
-    fill(out);
-    let length = (out.len() - at - 8) as u64;
-    out[at..at + 8].copy_from_slice(&length.to_le_bytes());
-}
-
-fn text(out: &mut Vec<u8>, text: &str) {
-    out.extend((text.len() as u32).to_le_bytes());
-    out.extend(text.as_bytes());
-}
-
-fn pairs(out: &mut Vec<u8>, pairs: impl Iterator<Item = (u16, u64)>) {
-    let mut map = Vec::new();
-    for (key, value) in pairs {
-        map.extend(key.to_le_bytes());
-        map.extend(value.to_le_bytes());
-    }
-    out.extend((map.len() as u32).to_le_bytes());
-    out.extend(map);
+    file.finish().map_err(failed)?;
+    Ok(file.into_inner().into_inner())
 }
 
 /// A message of a topic: seconds and nanoseconds, the joints' names, and their values at a sample.

@@ -6,6 +6,6 @@ mod mcap;
 mod parquet;
 
 #[cfg(feature = "mcap")]
-pub use mcap::{JointTopic, mcap};
+pub use self::mcap::{JointTopic, mcap};
 #[cfg(feature = "parquet")]
-pub use parquet::parquet;
+pub use self::parquet::parquet;

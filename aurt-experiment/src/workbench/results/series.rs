@@ -184,7 +184,7 @@ impl Written<'_> {
                         of_joints.map(|(joint, values)| (format!("{name}_{joint}"), values.as_slice())),
                     );
                 }
-                Ok(parquet(&columns, &all))
+                Ok(parquet(path, &columns, &all)?)
             }
             SeriesFormat::Mcap => {
                 let numbered = |j: usize| format!("joint_{j}");
