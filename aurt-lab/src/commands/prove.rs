@@ -138,7 +138,8 @@ impl Prove {
             };
             let cases = source.planned().len();
             let into = ingredients.set_names(world);
-            place.create(&Proof { seed, cases, into, plan: ingredients.plan })?;
+            let remarks = source.remarks().to_vec();
+            place.create(&Proof { seed, cases, into, remarks, plan: ingredients.plan })?;
             let progress = session.progress(shard.count(cases));
             proof::prove(&*source, &place, &options, &|case| {
                 progress.step(format!("{} {case}", world.name()));

@@ -25,6 +25,9 @@ pub struct Proof {
     /// Names of the experiments that effects are added to.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub into: Vec<String>,
+    /// Lines on cases that the plan asks for and the world does not have.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
     /// Which cases they are.
     pub plan: Plan,
 }

@@ -48,6 +48,9 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
         add_oracle(&mut own, &place.sealed(), &place.verdicts(), &place.oracle())?;
         let unmade = complaints(&place)?;
         let _ = writeln!(text, "{}", head(world, &proof, own.len()));
+        proof.remarks.iter().for_each(|line| {
+            let _ = writeln!(text, "{line}");
+        });
         worlds.insert(
             world.name().to_owned(),
             json!({ "proof": proof, "scored": own.len(), "failed": unmade }),

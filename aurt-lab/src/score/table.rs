@@ -70,6 +70,7 @@ impl Scoreboard {
         line("pairs: both named first, whatever the verdict", &|b| share(b.pairs_first_labels));
         line("pairs: effects named at all", &|b| share(b.effects_of_pairs));
         line("**nulls flagged** (0 is right)", &|b| share(b.nulls_flagged));
+        line("nulls whose structural claims are those of other recordings", &|b| share(b.nulls_agree));
         line("**outside the vocabulary: unexplained**", &|b| share(b.unknown_effects));
         line("outside the vocabulary: claims a case (0 is right)", &|b| number(b.beside_unknown_effects));
         line("candidate removed: unexplained or a neighbour", &|b| share(b.removed));

@@ -128,6 +128,9 @@ pub struct WorldBoard {
     pub effects_of_pairs: Share,
     /// Nulls in which something was said to be missing.
     pub nulls_flagged: Share,
+    /// Nulls of real recordings whose structural claims are those of their reference.
+    #[serde(default)]
+    pub nulls_agree: Share,
     /// What nulls were flagged by, and in how many.
     pub flagged_by: BTreeMap<String, usize>,
     /// Unknown effects that were called unexplained.
@@ -184,6 +187,7 @@ impl WorldBoard {
                 of: pairs.iter().map(|s| s.truth.len()).sum(),
             },
             nulls_flagged: share(&nulls, |s| !s.right),
+            nulls_agree: Share::counted(nulls.iter().filter_map(|s| s.structure_agrees), |is| *is),
             flagged_by,
             unknown_effects: share(&unknown_effects, |s| s.right),
             beside_unknown_effects: mean(unknown_effects.iter().map(|s| s.beside as f64)),
