@@ -78,6 +78,11 @@ impl Place {
         self.root.join("oracle")
     }
 
+    /// Folder of the verdicts on cases that are written differently, variant by variant.
+    pub fn variants(&self) -> PathBuf {
+        self.root.join("variants")
+    }
+
     /// Folder of the recordings without effects, while they are needed.
     pub fn references(&self) -> PathBuf {
         self.root.join("references")
@@ -89,8 +94,8 @@ impl Place {
     }
 
     /// Folders that hold results.
-    pub fn results(&self) -> [PathBuf; 5] {
-        [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.unmade()]
+    pub fn results(&self) -> [PathBuf; 6] {
+        [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.variants(), self.unmade()]
     }
 
     /// Makes the folders for a proof and writes down which it is.

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::claim::{Answer, Claim, is_change};
+use super::claim_set::ClaimDifference;
 use super::compared::compare;
 use super::neighbours::neighbours;
 use super::news::{Background, News, Sameness, distinct, meet};
@@ -79,6 +80,12 @@ pub struct CaseScore {
     /// recordings.
     #[serde(default)]
     pub structure_agrees: Option<bool>,
+    /// Claims by which variants of the case differ from it, where these were diagnosed.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub variants: BTreeMap<String, ClaimDifference>,
+    /// Structural claims by which the second half of the reference differs from the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halves: Option<ClaimDifference>,
     /// F1 of the joints of the first label; of singles.
     pub joint_f1: Option<f64>,
     /// Intersection over union of the windows, where the truth has one and it was named.
@@ -168,6 +175,8 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         beside: strict.beside,
         beside_class: class.beside,
         structure_agrees: agreement(truth, claim, reference),
+        variants: BTreeMap::new(),
+        halves: None,
         flagged_by: if truth.case_type == CaseType::Null { flagged_by } else { Vec::new() },
         joint_f1: single
             .map(|only| order.first().map_or(0.0, |n| f1(&only.joints, &joints_of(&news, n.effect)))),

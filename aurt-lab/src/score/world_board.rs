@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case_score::{CaseScore, ScoredFinding};
 use super::claim::Answer;
+use super::invariance::Invariance;
 use super::learnt::Learnt;
 use super::reliability::Reliability;
 use super::share::{Share, mean, median};
@@ -145,6 +146,9 @@ pub struct WorldBoard {
     pub beside: Option<f64>,
     /// Joints on which a black box is better than the improved model by more than a twentieth.
     pub rival_better: Share,
+    /// Agreement of variants with their cases, where these were diagnosed.
+    #[serde(default)]
+    pub invariance: Option<Invariance>,
     /// Effect by effect.
     pub effects: Vec<EffectRow>,
     /// What was called something else, most frequent first.
@@ -198,6 +202,7 @@ impl WorldBoard {
                 count: own.iter().map(|s| s.rival_better.count).sum(),
                 of: own.iter().map(|s| s.rival_better.of).sum(),
             },
+            invariance: Invariance::of(&own),
             effects: effect_rows(&singles),
             confusion: confusion(&singles),
             reliability: Reliability::of(&findings, |f| f.confidence),
