@@ -124,10 +124,13 @@ pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failu
     };
     for score in scores {
         let of = |variant: Variant| claims(place.variants().join(variant.name()).join(&score.case));
-        if let (Some(first), Some(second)) = (of(Variant::FirstHalf)?, of(Variant::SecondHalf)?) {
+        if let (Some(first), Some(second)) = (of(Variant::FirstHalf)?, of(Variant::SecondHalf)?)
+            && !(first.is_failed() && second.is_failed())
+        {
             score.halves = Some(second.structure().difference(&first.structure()));
         }
-        let Some(own) = claims(place.verdicts().join(&score.case))? else { continue };
+        let own = claims(place.verdicts().join(&score.case))?.filter(|own| !own.is_failed());
+        let Some(own) = own else { continue };
         let mut variants = BTreeMap::new();
         for variant in Variant::ALL.into_iter().filter(|v| !v.is_half()) {
             if let Some(varied) = of(variant)? {

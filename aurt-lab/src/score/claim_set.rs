@@ -42,6 +42,12 @@ impl ClaimSet {
         Self(set)
     }
 
+    /// Whether the diagnosis gave no verdict.
+    #[must_use]
+    pub fn is_failed(&self) -> bool {
+        self.0.iter().any(|one| one.effect == Answer::Failed.name())
+    }
+
     /// Those that are present in all recordings.
     #[must_use]
     pub fn structure(mut self) -> Self {
@@ -52,10 +58,9 @@ impl ClaimSet {
     /// The difference from another set: claims that appear here, and those of the other that vanish.
     #[must_use]
     pub fn difference(&self, from: &Self) -> ClaimDifference {
-        let lacking = |failed: &Self| failed.0.iter().any(|one| one.effect == Answer::Failed.name());
-        // What a diagnosis would have claimed that gave no verdict is unknown.
+        // What a diagnosis without a verdict would have claimed is unknown.
         let list = |of: &Self, other: &Self| {
-            if lacking(other) { Vec::new() } else { words(of.0.difference(&other.0)) }
+            if other.is_failed() { Vec::new() } else { words(of.0.difference(&other.0)) }
         };
         ClaimDifference {
             appeared: list(self, from),
