@@ -223,7 +223,9 @@ fn halve(recordings: &mut dyn TableLike, half: usize) -> Result<(), Unfit> {
         let mut kept = Array::new();
         for entry in list.iter() {
             if place % 2 == half {
-                kept.push_formatted(entry.clone());
+                let mut entry = entry.clone();
+                entry.decor_mut().clear();
+                kept.push(entry);
             }
             place += 1;
         }
