@@ -3,8 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 use std::sync::Arc;
 
-use aurt_lab::case::{Case, CaseRequest, CaseType, World};
-use aurt_lab::{Strength, injected::InjectedWorld};
+use aurt_lab::case::{Case, CaseRequest, CaseType, NullPlan, Plan, World};
+use aurt_lab::{
+    Strength,
+    injected::{InjectedRequest, InjectedWorld},
+};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_simulation::inject::{
     Injection, Kind, Presence, RealExperiment, RealRecording, Split, Structure, injectable,
@@ -54,13 +57,18 @@ fn injected() -> InjectedWorld {
     InjectedWorld { injection }
 }
 
-fn request(effect: &str) -> CaseRequest {
-    CaseRequest {
+fn request(effect: &str) -> InjectedRequest {
+    requested(effect, Strength::Medium)
+}
+
+fn requested(effect: &str, strength: Strength) -> InjectedRequest {
+    let case = CaseRequest {
         robot: "stand_in".into(),
         case_type: CaseType::Single,
         effects: vec![effect.into()],
-        strength: Strength::Medium,
-    }
+        strength,
+    };
+    InjectedRequest { case, roles: None }
 }
 
 /// The columns of a recording's file.
@@ -175,8 +183,7 @@ fn strengths_are_those_that_were_asked_for() {
     let world = injected();
     for (strength, wanted) in [(Strength::Weak, 0.7), (Strength::Medium, 1.5), (Strength::Strong, 4.0)] {
         for effect in ["stribeck", "payload", "rotor_inertia", "time_delay"] {
-            let request = CaseRequest { strength, ..request(effect) };
-            let Ok(case) = world.make(&request, 5, "case_0001") else { continue };
+            let Ok(case) = world.make(&requested(effect, strength), 5, "case_0001") else { continue };
             let strongest = case.truth.effects[0].achieved.iter().copied().fold(0.0, f64::max);
             assert!((strongest / wanted - 1.0).abs() < 0.25, "{effect}: {strongest} of {wanted}");
         }
@@ -203,23 +210,27 @@ fn the_truth_is_not_in_the_case_folder_and_seeds_decide() {
     assert_ne!(make(8).truth.effects[0].fields, case.truth.effects[0].fields);
 }
 
-/// A null is the recordings as they are, in other roles than those of the reference.
+/// A null is the recordings as they are, in other roles than those of the reference and of every other null.
 #[test]
-fn nulls_are_references_of_another_split() {
+fn nulls_are_distinct_and_in_other_roles_than_their_references() {
     let world = injected();
-    let null = CaseRequest { case_type: CaseType::Null, effects: Vec::new(), ..request("spring") };
-    for seed in 0..4 {
-        let case = world.make(&null, seed, "case_0001").unwrap();
-        let reference = case.truth.reference.clone().unwrap();
-        let same: Vec<String> = world
-            .references()
-            .into_iter()
-            .filter(|name| world.reference(name).unwrap().files == case.files)
-            .collect();
-        assert_eq!(same.len(), 1);
-        assert_ne!(same[0], reference);
-        assert_eq!(same[0][..same[0].len() - 1], reference[..reference.len() - 1], "changes against changes");
+    let plan = |count| Plan { nulls: Some(NullPlan { count, ..NullPlan::default() }), ..Plan::default() };
+    assert_eq!(world.requests(&plan(4), 1).unwrap().len(), 4);
+    assert_eq!(world.missing_nulls(&plan(6)), None);
+    let line = world.missing_nulls(&plan(7)).unwrap();
+    assert!(line.starts_with("stand_in: 6 nulls instead of 7: 3 recordings"), "{line}");
+    let requests = world.requests(&plan(7), 1).unwrap();
+    assert_ne!(requests, world.requests(&plan(7), 2).unwrap(), "seeds decide on the order");
+    let nulls: Vec<Case> = requests.iter().map(|r| world.make(r, 5, "case_0001").unwrap()).collect();
+    for (k, null) in nulls.iter().enumerate() {
+        assert!(!nulls[..k].iter().any(|other| other.files == null.files));
+        let reference = null.truth.reference.as_deref().unwrap();
+        assert!(reference.starts_with("stand_in_changed_"), "changes against changes");
+        assert_ne!(world.reference(reference).unwrap().files, null.files);
+        let experiment = std::str::from_utf8(&null.files[0].1).unwrap();
+        assert!(experiment.contains("\ntarget = "), "{experiment}");
     }
+    assert_eq!(nulls.len(), 6);
 }
 
 #[test]

@@ -89,7 +89,7 @@ impl Conceal {
             })
             .collect();
         drop(progress);
-        let mut refused = Vec::new();
+        let mut refused: Vec<String> = injection.missing_nulls(&plan).into_iter().collect();
         let mut count = 0;
         for one in made {
             match one {

@@ -66,6 +66,10 @@ pub struct Prove {
     /// Diagnose every single once more with its effect's candidate alone: what that does not see is not in the data
     #[arg(long)]
     oracle: bool,
+    /// Diagnose cases (all, or this number of each world) once more in variants of the same robot: half and twice f_dyn_hz,
+    /// another order of the recordings, half the rate, degrees, and each half of the reference
+    #[arg(long, value_name = "CASES", num_args = 0..=1)]
+    invariance: Option<Option<usize>>,
     /// Write the scoreboard of what has been diagnosed so far, and diagnose no further cases
     #[arg(long)]
     so_far: bool,
@@ -132,13 +136,15 @@ impl Prove {
                 keep: self.keep,
                 without: !self.no_removal,
                 oracle: self.oracle,
+                varied: self.invariance.map_or(0, |cases| cases.unwrap_or(usize::MAX)),
                 shard,
                 program: program.clone(),
                 trust: session.registry.trusted(),
             };
             let cases = source.planned().len();
             let into = ingredients.set_names(world);
-            place.create(&Proof { seed, cases, into, plan: ingredients.plan })?;
+            let remarks = source.remarks().to_vec();
+            place.create(&Proof { seed, cases, into, remarks, plan: ingredients.plan })?;
             let progress = session.progress(shard.count(cases));
             proof::prove(&*source, &place, &options, &|case| {
                 progress.step(format!("{} {case}", world.name()));

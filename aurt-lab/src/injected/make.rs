@@ -12,7 +12,10 @@ use aurt_simulation::{
     inject::{Added, Built, Kind, Law, Presence, Rows, Split, applied, mean_square},
 };
 
-use super::{build::build, requests::InjectedWorld};
+use super::{
+    build::build,
+    requests::{InjectedRequest, InjectedWorld},
+};
 use crate::{
     case::{Case, CaseRequest, CaseType, TrueEffect, Truth, ValidationFloor, World},
     strength::Strength,
@@ -51,16 +54,33 @@ impl InjectedWorld {
     ///
     /// # Errors
     /// Effects that cannot be added to these recordings.
-    pub fn make(&self, request: &CaseRequest, seed: u64, name: &str) -> Result<Case, SimulationError> {
+    pub fn make(&self, request: &InjectedRequest, seed: u64, name: &str) -> Result<Case, SimulationError> {
+        match &request.roles {
+            Some(roles) => self.null(&request.case, roles, seed, name),
+            None => self.with_effects(&request.case, seed, name),
+        }
+    }
+
+    fn null(
+        &self,
+        request: &CaseRequest,
+        roles: &Split,
+        seed: u64,
+        name: &str,
+    ) -> Result<Case, SimulationError> {
+        let others: Vec<String> = Split::all(self.injection.recorded().len(), roles.presence)
+            .iter()
+            .filter(|split| !split.has_roles_of(roles))
+            .map(|split| split.reference_name(&self.injection.real().name))
+            .collect();
+        let reference = Random::labelled(seed, "injected null").choose(&others).cloned();
+        self.case(name, request, seed, roles, &[], reference)
+    }
+
+    fn with_effects(&self, request: &CaseRequest, seed: u64, name: &str) -> Result<Case, SimulationError> {
         let kinds = request.effects.iter().map(|e| Kind::named(e)).collect::<Result<Vec<_>, _>>()?;
         let mut random = Random::labelled(seed, "injected");
         let mut wished = self.presence(&kinds, &mut random)?;
-        if kinds.is_empty() {
-            let splits = Split::all(self.injection.recorded().len(), wished);
-            let turn = random.index(splits.len());
-            let other = splits[(turn + 1) % splits.len()].reference_name(&self.injection.real().name);
-            return self.case(name, request, seed, &splits[turn], &[], Some(other));
-        }
         let mut refusal = None;
         for _ in 0..2 {
             let splits = Split::all(self.injection.recorded().len(), wished);

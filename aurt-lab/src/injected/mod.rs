@@ -4,4 +4,4 @@ mod build;
 mod make;
 mod requests;
 
-pub use requests::InjectedWorld;
+pub use requests::{InjectedRequest, InjectedWorld};

@@ -15,6 +15,15 @@ use crate::{
     strength::Strength,
 };
 
+/// A case of these recordings that is to be made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InjectedRequest {
+    /// Type, effects and strength.
+    pub case: CaseRequest,
+    /// The roles of a null's recordings; where effects are added, the seed draws them.
+    pub roles: Option<Split>,
+}
+
 /// The world of one experiment's recordings, to which effects are added.
 ///
 /// ```text
@@ -62,11 +71,11 @@ impl InjectedWorld {
 
     /// The cases of a plan for these recordings, in an order that reveals nothing; robots of the plan do not matter. An
     /// effect that the recordings cannot have (no joint suits it, or their unit does not do) is left out where the plan
-    /// asks for all effects.
+    /// asks for all effects. Nulls are distinct: each assigns the recordings to other roles, and there are at most as many.
     ///
     /// # Errors
     /// [`SimulationError::UnknownEffect`], or a pair that does not exist.
-    pub fn requests(&self, plan: &Plan, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
+    pub fn requests(&self, plan: &Plan, seed: u64) -> Result<Vec<InjectedRequest>, SimulationError> {
         let mut random = Random::labelled(seed, "injected plan");
         let mut requests = Vec::new();
         let known = self.possible(&injectable(self.injection.real().unit))?;
@@ -95,11 +104,28 @@ impl InjectedWorld {
                 requests.push(self.request(CaseType::Pair, &two, pairs.strength));
             }
         }
-        for _ in 0..plan.nulls.as_ref().map_or(0, |n| n.count) {
-            requests.push(self.request(CaseType::Null, &[], Strength::Medium));
+        let mut assignments = Split::assignments(self.injection.recorded().len());
+        random.shuffle(&mut assignments);
+        for roles in assignments.into_iter().take(nulls(plan)) {
+            let null = self.request(CaseType::Null, &[], Strength::Medium);
+            requests.push(InjectedRequest { roles: Some(roles), ..null });
         }
         random.shuffle(&mut requests);
         Ok(requests)
+    }
+
+    /// The sentence on nulls that a plan asks for and these recordings do not have.
+    #[must_use]
+    pub fn missing_nulls(&self, plan: &Plan) -> Option<String> {
+        let recordings = self.injection.recorded().len();
+        let (asked, distinct) = (nulls(plan), Split::assignments(recordings).len());
+        (distinct < asked).then(|| {
+            format!(
+                "{}: {distinct} nulls instead of {asked}: {recordings} recordings have no more assignments to \
+                 calibration, target and validation",
+                self.injection.real().name
+            )
+        })
     }
 
     /// Those of some effects that these recordings can have.
@@ -116,12 +142,18 @@ impl InjectedWorld {
         Ok(possible)
     }
 
-    fn request(&self, case_type: CaseType, effects: &[String], strength: Strength) -> CaseRequest {
-        CaseRequest {
+    fn request(&self, case_type: CaseType, effects: &[String], strength: Strength) -> InjectedRequest {
+        let case = CaseRequest {
             robot: self.injection.real().name.clone(),
             case_type,
             effects: effects.to_vec(),
             strength,
-        }
+        };
+        InjectedRequest { case, roles: None }
     }
+}
+
+/// Number of nulls that a plan asks for.
+fn nulls(plan: &Plan) -> usize {
+    plan.nulls.as_ref().map_or(0, |n| n.count)
 }

@@ -15,7 +15,7 @@ use crate::{
 use aurt_plugins::Trust;
 use rayon::prelude::*;
 
-use super::{FAILED, Place, Shard, Source, VERDICT, scores::reference_folder};
+use super::{FAILED, Place, Shard, Source, UNFIT, VERDICT, scores::reference_folder, variants::Variant};
 
 /// What a proof does besides diagnosing.
 #[derive(Debug, Clone)]
@@ -26,6 +26,8 @@ pub struct Options {
     pub without: bool,
     /// Whether every single is diagnosed once more with its candidate alone.
     pub oracle: bool,
+    /// How many cases, from the first, are diagnosed once more in each variant.
+    pub varied: usize,
     /// The part of the cases that is made here.
     pub shard: Shard,
     /// The program that diagnoses, `aurt`.
@@ -56,14 +58,50 @@ pub fn prove(
             Ok(())
         });
     // What was too young for that when the next case was made.
-    let folders = place.results();
-    folders.iter().map(PathBuf::as_path).chain([place.root()]).for_each(aurt_files::output::clear_unfinished);
+    let mut folders = vec![place.root().to_owned()];
+    folders.extend(place.results());
+    folders.extend(Variant::ALL.map(|v| place.variants().join(v.name())));
+    folders.iter().for_each(|folder| aurt_files::output::clear_unfinished(folder));
     proved
 }
 
 /// Whether a folder holds a verdict, or why there is none.
 fn is_done(folder: &Path) -> bool {
-    folder.join(VERDICT).exists() || folder.join(FAILED).exists()
+    [VERDICT, FAILED, UNFIT].iter().any(|file| folder.join(file).exists())
+}
+
+/// A variant of a case: its files while they are needed, and its verdict.
+struct Varied {
+    variant: Variant,
+    files: PathBuf,
+    verdict: PathBuf,
+}
+
+impl Varied {
+    fn all(place: &Place, case: &str) -> Vec<Self> {
+        let of = |variant: Variant| Self {
+            variant,
+            files: place.cases().join(format!("{case}_{}", variant.name())),
+            verdict: place.variants().join(variant.name()).join(case),
+        };
+        Variant::ALL.map(of).into()
+    }
+
+    fn prove(&self, case: &Path, options: &Options) -> Result<(), Failure> {
+        if !is_done(&self.verdict) {
+            let folder = self.verdict.parent().unwrap_or(&self.verdict);
+            fs::create_dir_all(folder).map_err(|source| Failure::write(folder.to_owned(), source))?;
+            match self.variant.files(case)? {
+                Ok(files) => {
+                    OutputFolder::nested("--out", &self.files)?.write(&files)?;
+                    diagnose(&self.files, &self.verdict, &[], options)?;
+                }
+                Err(reason) => OutputFolder::nested("--out", &self.verdict)?
+                    .write(&[(UNFIT.to_owned(), reason.as_bytes().to_vec())])?,
+            }
+        }
+        forget(&self.files, options)
+    }
 }
 
 fn prove_reference(source: &dyn Source, name: &str, place: &Place, options: &Options) -> Result<(), Failure> {
@@ -90,8 +128,11 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
             .filter(|(asked, ..)| *asked)
             .filter_map(|(_, out, option)| Some((out.join(&name), [option, single?])))
             .collect();
+    let varied = if index < options.varied { Varied::all(place, &name) } else { Vec::new() };
     let unmade = place.unmade().join(format!("{name}.txt"));
-    if unmade.exists() || is_done(&verdict) && again.iter().all(|(folder, _)| is_done(folder)) {
+    let mut verdicts = again.iter().map(|(folder, _)| folder).chain(varied.iter().map(|v| &v.verdict));
+    if unmade.exists() || is_done(&verdict) && verdicts.all(|folder| is_done(folder)) {
+        varied.iter().try_for_each(|v| forget(&v.files, options))?;
         return forget(&folder, options);
     }
     if let Err(reason) = make(source, index, &name, place)? {
@@ -105,6 +146,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
     for (out, arguments) in again.iter().filter(|(out, _)| !is_done(out)) {
         diagnose(&folder, out, arguments, options)?;
     }
+    varied.iter().try_for_each(|v| v.prove(&folder, options))?;
     forget(&folder, options)
 }
 
@@ -194,11 +236,12 @@ pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
     for path in entries(&place.unmade()) {
         found.insert(stem(&path), format!("could not be made: {}", read(&path)?));
     }
-    let folders = [
-        (place.removed(), " without its candidate"),
-        (place.oracle(), " with its candidate alone"),
-        (place.verdicts(), ""),
+    let mut folders = vec![
+        (place.removed(), " without its candidate".to_owned()),
+        (place.oracle(), " with its candidate alone".to_owned()),
+        (place.verdicts(), String::new()),
     ];
+    folders.extend(Variant::ALL.map(|v| (place.variants().join(v.name()), format!(", {}", v.name()))));
     for (folder, what) in folders {
         for path in entries(&folder).iter().map(|p| p.join(FAILED)).filter(|p| p.exists()) {
             let case = path.parent().map(stem).unwrap_or_default();

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::{
-    case::{Case, CaseRequest, Plan},
-    injected::InjectedWorld,
+    case::{Case, Plan},
+    injected::{InjectedRequest, InjectedWorld},
     product::Failure,
 };
 use aurt_plugins::Registry;
@@ -16,8 +16,9 @@ use super::source::{Ingredients, Planned, Source};
 struct Injected {
     sets: Vec<InjectedWorld>,
     /// The set of each case, and what is asked of it.
-    requests: Vec<(usize, CaseRequest)>,
+    requests: Vec<(usize, InjectedRequest)>,
     planned: Vec<Planned>,
+    remarks: Vec<String>,
     seed: u64,
 }
 
@@ -33,15 +34,16 @@ pub fn source(
         return Ok(Err("no recordings: name experiments with --into".into()));
     }
     let mut sets = Vec::new();
-    let mut requests = Vec::new();
+    let (mut requests, mut remarks) = (Vec::new(), Vec::new());
     for path in &ingredients.into {
         let set = InjectedWorld::read(path, registry)?;
         requests
             .extend(set.requests(&ingredients.plan, ingredients.seed)?.into_iter().map(|r| (sets.len(), r)));
+        remarks.extend(set.missing_nulls(&ingredients.plan));
         sets.push(set);
     }
-    let planned = requests.iter().map(|(_, request)| Planned::from(request)).collect();
-    Ok(Ok(Box::new(Injected { sets, requests, planned, seed: ingredients.seed })))
+    let planned = requests.iter().map(|(_, request)| Planned::from(&request.case)).collect();
+    Ok(Ok(Box::new(Injected { sets, requests, planned, remarks, seed: ingredients.seed })))
 }
 
 impl Source for Injected {
@@ -54,6 +56,10 @@ impl Source for Injected {
         let seed = Random::labelled(self.seed, &format!("injected {index}")).bits();
         let make = || self.sets[*set].make(request, seed, &Plan::case_name(index))?.write(cases, sealed);
         make().map_err(|error| error.to_string())
+    }
+
+    fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     fn references(&self) -> Vec<String> {

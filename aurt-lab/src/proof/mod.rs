@@ -1,7 +1,7 @@
 //! Proofs: concealed cases of several worlds, diagnosed by processes that see nothing but a case's folder, and scored.
 //!
-//! `place` says where things lie, the sources of `worlds` make cases, `diagnosed` runs a case, `shard` divides and
-//! collects, `scores` compares with the truth, `report` writes the tables, `learn` what confidence is made of, `program` is what diagnoses.
+//! `place` says where things lie, the sources of `worlds` make cases, `diagnosed` runs a case, `variants` writes it
+//! differently, `shard` divides and collects, `scores` compares with the truth, `report` writes the tables, `learn` what confidence is made of, `program` is what diagnoses.
 
 mod diagnosed;
 mod injected;
@@ -15,6 +15,7 @@ mod scores;
 mod shard;
 mod simulated;
 mod source;
+mod variants;
 mod worlds;
 
 pub use diagnosed::{Options, prove};
@@ -34,3 +35,5 @@ pub const VERDICT: &str = "verdict.json";
 pub const COMPARISON: &str = "comparison.json";
 /// Why a diagnosis gave no verdict, in its place.
 pub const FAILED: &str = "failed.txt";
+/// Why a case does not have a variant, in the place of its verdict.
+pub const UNFIT: &str = "unfit.txt";

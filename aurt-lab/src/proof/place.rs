@@ -25,6 +25,9 @@ pub struct Proof {
     /// Names of the experiments that effects are added to.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub into: Vec<String>,
+    /// Lines on cases that the plan asks for and the world does not have.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
     /// Which cases they are.
     pub plan: Plan,
 }
@@ -75,6 +78,11 @@ impl Place {
         self.root.join("oracle")
     }
 
+    /// Folder of the verdicts on cases that are written differently, variant by variant.
+    pub fn variants(&self) -> PathBuf {
+        self.root.join("variants")
+    }
+
     /// Folder of the recordings without effects, while they are needed.
     pub fn references(&self) -> PathBuf {
         self.root.join("references")
@@ -86,8 +94,8 @@ impl Place {
     }
 
     /// Folders that hold results.
-    pub fn results(&self) -> [PathBuf; 5] {
-        [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.unmade()]
+    pub fn results(&self) -> [PathBuf; 6] {
+        [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.variants(), self.unmade()]
     }
 
     /// Makes the folders for a proof and writes down which it is.

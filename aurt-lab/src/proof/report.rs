@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 use super::{
     Place, Proof, Verdicts,
     diagnosed::complaints,
-    scores::{add_oracle, scores_so_far},
+    scores::{add_oracle, add_variants, scores_so_far},
 };
 
 /// The simpler methods of `comparison.json`, by their keys in it.
@@ -46,8 +46,12 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
         let Some(proof) = place.proof()? else { continue };
         let mut own = scores_so_far(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
         add_oracle(&mut own, &place.sealed(), &place.verdicts(), &place.oracle())?;
+        add_variants(&mut own, &place)?;
         let unmade = complaints(&place)?;
         let _ = writeln!(text, "{}", head(world, &proof, own.len()));
+        proof.remarks.iter().for_each(|line| {
+            let _ = writeln!(text, "{line}");
+        });
         worlds.insert(
             world.name().to_owned(),
             json!({ "proof": proof, "scored": own.len(), "failed": unmade }),

@@ -9,11 +9,11 @@ use std::{
 use crate::{
     case::Truth,
     product::Failure,
-    score::{CaseScore, Claim, score},
+    score::{CaseScore, Claim, ClaimSet, score},
 };
 use serde_json::Value;
 
-use super::{COMPARISON, FAILED, VERDICT};
+use super::{COMPARISON, FAILED, Place, VERDICT, variants::Variant};
 
 /// Whose verdicts are scored.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -110,6 +110,34 @@ pub fn add_oracle(scores: &mut [CaseScore], sealed: &Path, own: &Path, oracle: &
         if let Some(score) = scores.iter_mut().find(|s| s.case == of_oracle.case) {
             score.seen = Some(of_oracle.sees());
         }
+    }
+    Ok(())
+}
+
+/// Adds to scores the claims by which the variants of their cases differ from them, as far as these were diagnosed.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failure> {
+    let claims = |folder: PathBuf| -> Result<Option<ClaimSet>, Failure> {
+        Ok(claim(&folder, &Verdicts::Own)?.map(|claim| ClaimSet::of(&claim)))
+    };
+    for score in scores {
+        let of = |variant: Variant| claims(place.variants().join(variant.name()).join(&score.case));
+        if let (Some(first), Some(second)) = (of(Variant::FirstHalf)?, of(Variant::SecondHalf)?)
+            && !(first.is_failed() && second.is_failed())
+        {
+            score.halves = Some(second.structure().difference(&first.structure()));
+        }
+        let own = claims(place.verdicts().join(&score.case))?.filter(|own| !own.is_failed());
+        let Some(own) = own else { continue };
+        let mut variants = BTreeMap::new();
+        for variant in Variant::ALL.into_iter().filter(|v| !v.is_half()) {
+            if let Some(varied) = of(variant)? {
+                variants.insert(variant.name().to_owned(), varied.difference(&own));
+            }
+        }
+        score.variants = variants;
     }
     Ok(())
 }

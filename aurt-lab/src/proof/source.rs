@@ -30,6 +30,11 @@ pub trait Source: Sync {
     /// The reason, as a person reads it.
     fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
 
+    /// Lines on cases that the plan asks for and the world does not have.
+    fn remarks(&self) -> &[String] {
+        &[]
+    }
+
     /// Whether simpler methods answer the same cases.
     fn compares(&self) -> bool {
         true

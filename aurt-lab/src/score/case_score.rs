@@ -3,9 +3,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::claim::{Answer, Claim, is_change};
+use super::claim_set::ClaimDifference;
 use super::compared::compare;
 use super::neighbours::neighbours;
-use super::news::{Background, News, Sameness, meet};
+use super::news::{Background, News, Sameness, distinct, meet};
+use super::nulls::{agreement, flagged_by, flagged_by_change, is_of_change_alone};
 use super::parameters::{ParameterError, parameter_errors};
 use super::share::Share;
 use crate::{
@@ -42,9 +44,9 @@ pub struct CaseScore {
     /// Identifiers that were named and are news, without repetition.
     pub named: Vec<String>,
     /// Whether it is right: a verdict that names an effect (in `clean`, where nothing else is missing, not `partly_explained`), the
-    /// right effects first, on their joints, in the right recordings, and no other claim. Of nulls: nothing flagged; of unknown
-    /// effects: a verdict that leaves something unexplained; where the candidate was removed: such a verdict, or a neighbour under
-    /// a verdict that names an effect.
+    /// right effects first, on their joints, in the right recordings, and no other claim. Of nulls: nothing flagged (of real
+    /// recordings: no change); of unknown effects: a verdict that leaves something unexplained; where the candidate was removed:
+    /// such a verdict, or a neighbour under a verdict that names an effect.
     pub right: bool,
     /// The same, with effects that no recording tells apart counted as one.
     pub right_class: bool,
@@ -68,12 +70,22 @@ pub struct CaseScore {
     /// Whether the kinds of recordings are right; of singles and pairs whose label stands anywhere.
     pub presence_right: Option<bool>,
     /// Claims that are neither true, nor of the background, nor of the reference; a claim on several joints counts
-    /// once for each.
+    /// once for each. Of nulls of real recordings: claims of a change.
     pub beside: usize,
     /// The same, with effects that no recording tells apart counted as one.
     pub beside_class: usize,
     /// What a null was flagged by: the claims that are news, or the verdict.
     pub flagged_by: Vec<String>,
+    /// Whether the structural claims are those of the reference, other recordings of the same robot; of nulls of real
+    /// recordings.
+    #[serde(default)]
+    pub structure_agrees: Option<bool>,
+    /// Claims by which variants of the case differ from it, where these were diagnosed.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub variants: BTreeMap<String, ClaimDifference>,
+    /// Structural claims by which the second half of the reference differs from the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halves: Option<ClaimDifference>,
     /// F1 of the joints of the first label; of singles.
     pub joint_f1: Option<f64>,
     /// Intersection over union of the windows, where the truth has one and it was named.
@@ -105,8 +117,10 @@ pub struct ScoredFinding {
 /// the verdict on the same recordings without the effects.
 #[must_use]
 pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Option<&Claim>) -> CaseScore {
-    let background = Background::new(truth, reference);
-    let news = background.news(truth, claim);
+    let of_change_alone = is_of_change_alone(truth);
+    let background = Background::new(truth, reference.filter(|_| !of_change_alone));
+    let mut news = background.news(truth, claim);
+    news.retain(|n| n.change || !of_change_alone);
     let change = truth.effects.first().is_some_and(|e| is_change(&e.present_in));
     let answer = claim.answer(change);
     // With two verdicts, the first label is the first of the question that the truth answers.
@@ -114,7 +128,8 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         distinct(news.iter().filter(|n| claim.structure.is_none() || n.change == change));
     let strict = compare(&truth.effects, &news, &order, answer, Sameness::Strict);
     let class = compare(&truth.effects, &news, &order, answer, Sameness::Class);
-    let flagged_by = flagged_by(claim, &news, reference);
+    let flagged_by =
+        if of_change_alone { flagged_by_change(claim, &news) } else { flagged_by(claim, &news, reference) };
     let is_of_vocabulary = matches!(truth.case_type, CaseType::Single | CaseType::Pair) && removed.is_none();
     let (right, right_class) = match (truth.case_type, removed) {
         (CaseType::Null, _) => both(flagged_by.is_empty()),
@@ -159,6 +174,9 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         presence_right: (is_of_vocabulary && strict.anywhere).then_some(strict.presence),
         beside: strict.beside,
         beside_class: class.beside,
+        structure_agrees: agreement(truth, claim, reference),
+        variants: BTreeMap::new(),
+        halves: None,
         flagged_by: if truth.case_type == CaseType::Null { flagged_by } else { Vec::new() },
         joint_f1: single
             .map(|only| order.first().map_or(0.0, |n| f1(&only.joints, &joints_of(&news, n.effect)))),
@@ -180,37 +198,6 @@ impl CaseScore {
     }
 }
 
-/// The first claim of every effect.
-fn distinct<'n, 'a>(news: impl Iterator<Item = &'n News<'a>>) -> Vec<&'n News<'a>> {
-    let mut first: Vec<&News<'_>> = Vec::new();
-    for one in news {
-        if !first.iter().any(|f| f.effect == one.effect) {
-            first.push(one);
-        }
-    }
-    first
-}
-
-/// What speaks of something that is not there: claims that are news, or a verdict without any claim that is not the
-/// reference's verdict as well.
-fn flagged_by(claim: &Claim, news: &[News<'_>], reference: Option<&Claim>) -> Vec<String> {
-    let verdicts = [claim.verdict, claim.structure.unwrap_or(claim.verdict)];
-    if verdicts.iter().all(|w| *w == Answer::NoMismatch) {
-        return Vec::new();
-    }
-    let names: Vec<String> = distinct(news.iter()).iter().map(|n| n.effect.to_owned()).collect();
-    if !names.is_empty() {
-        return names;
-    }
-    let said_before =
-        |verdict: &Answer| reference.is_some_and(|r| r.verdict == *verdict || r.structure == Some(*verdict));
-    let verdict = verdicts.into_iter().find(|w| *w != Answer::NoMismatch && !said_before(w));
-    verdict
-        .filter(|w| claim.effects.is_empty() || *w == Answer::Failed)
-        .map(|w| vec![w.name().to_owned()])
-        .unwrap_or_default()
-}
-
 const fn both(right: bool) -> (bool, bool) {
     (right, right)
 }
@@ -224,6 +211,7 @@ fn findings(truth: &Truth, claim: &Claim, background: &Background<'_>) -> Vec<Sc
     claim
         .effects
         .iter()
+        .filter(|c| c.is_change() || !is_of_change_alone(truth))
         .filter_map(|c| {
             let is_true =
                 truth.effects.iter().any(|e| e.effect == c.effect && meet(&c.effect, &e.joints, &c.joints));

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | single | the verdict names an effect (`named`; `partly_explained` in worlds with a background), the effect is first, or one of its declared alternatives, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing else is claimed |
 //! | pair | the same of both, as the first two |
-//! | null | `no_mismatch`, or no claim but the background's and the reference's |
+//! | null | `no_mismatch`, or no claim but the background's and the reference's; of real recordings: no change |
 //! | unknown effect | `unexplained` or `partly_explained` |
 //! | single whose candidate was removed | `unexplained` or `partly_explained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
 //!
@@ -17,12 +17,15 @@
 mod board;
 mod case_score;
 mod claim;
+mod claim_set;
 mod compared;
+mod invariance;
 mod isotonic;
 mod leak;
 mod learnt;
 mod neighbours;
 mod news;
+mod nulls;
 mod parameters;
 mod reliability;
 mod share;
@@ -34,6 +37,8 @@ mod world_board;
 pub use board::Scoreboard;
 pub use case_score::{CaseScore, ScoredFinding, score};
 pub use claim::{Answer, Claim, ClaimedAlternative, ClaimedEffect, ClaimedValue};
+pub use claim_set::{ClaimDifference, ClaimSet};
+pub use invariance::{HALVES, Invariance, VariantDifference};
 pub use leak::leaks;
 pub use learnt::{Curves, Learnt, LearntFrom, Rate, SCHEMA};
 pub use neighbours::neighbours;

@@ -141,6 +141,17 @@ impl<'a> Background<'a> {
     }
 }
 
+/// The first claim of every effect.
+pub(super) fn distinct<'n, 'a>(news: impl Iterator<Item = &'n News<'a>>) -> Vec<&'n News<'a>> {
+    let mut first: Vec<&News<'_>> = Vec::new();
+    for one in news {
+        if !first.iter().any(|f| f.effect == one.effect) {
+            first.push(one);
+        }
+    }
+    first
+}
+
 /// Whether two claims of an effect can be the same: on the whole arm, or on a common joint.
 pub(super) fn meet(effect: &str, a: &[usize], b: &[usize]) -> bool {
     whole_arm(effect) || a.is_empty() && b.is_empty() || a.iter().any(|j| b.contains(j))

@@ -20,6 +20,12 @@ impl Share {
         })
     }
 
+    /// Counts one more.
+    pub const fn count(&mut self, is: bool) {
+        self.count += is as usize;
+        self.of += 1;
+    }
+
     /// The share, none of nothing.
     #[must_use]
     pub fn ratio(&self) -> Option<f64> {

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::board::Scoreboard;
+use super::invariance::Invariance;
 use super::share::Share;
 use super::world_board::{Singles, WorldBoard};
 use crate::{case::World, strength::Strength};
@@ -15,6 +16,7 @@ impl Scoreboard {
     pub fn markdown(&self) -> String {
         let mut text = self.summary();
         text.push_str(&self.flagged());
+        text.push_str(&self.invariance());
         text.push_str(&self.effects());
         text.push_str(&self.confusion());
         text.push_str(&self.reliability());
@@ -70,6 +72,7 @@ impl Scoreboard {
         line("pairs: both named first, whatever the verdict", &|b| share(b.pairs_first_labels));
         line("pairs: effects named at all", &|b| share(b.effects_of_pairs));
         line("**nulls flagged** (0 is right)", &|b| share(b.nulls_flagged));
+        line("nulls whose structural claims are those of other recordings", &|b| share(b.nulls_agree));
         line("**outside the vocabulary: unexplained**", &|b| share(b.unknown_effects));
         line("outside the vocabulary: claims a case (0 is right)", &|b| number(b.beside_unknown_effects));
         line("candidate removed: unexplained or a neighbour", &|b| share(b.removed));
@@ -95,6 +98,46 @@ impl Scoreboard {
                     .then(|| format!("{}/{}", b.flagged_by.get(name).unwrap_or(&0), b.nulls_flagged.of))
             };
             text.push_str(&self.row(&[&format!("`{name}`")], cell));
+        }
+        text
+    }
+
+    /// Shares of the same claims, and the claims that appear or vanish.
+    fn invariance(&self) -> String {
+        let boards = || self.worlds.values().filter_map(|b| b.invariance.as_ref());
+        if boards().next().is_none() {
+            return String::new();
+        }
+        let mut text = format!("\n{}", self.head(&["the same claims"]));
+        let mut line = |what: &str, share: &dyn Fn(&Invariance) -> Option<Share>| {
+            text.push_str(&self.row(&[what], |b| shown(share(b.invariance.as_ref()?)?)));
+        };
+        line("**over all variants**", &|i| Some(i.same));
+        line("over all variants: claims of both, of those of either", &|i| Some(i.claims));
+        let variants: BTreeSet<&String> = boards().flat_map(|i| i.variants.keys()).collect();
+        for variant in variants {
+            line(&format!("`{variant}`"), &|i| i.variants.get(variant).copied());
+        }
+        line("**both halves of the reference**, structure", &|i| Some(i.halves));
+        if boards().all(|i| i.differences.is_empty()) {
+            return text;
+        }
+        text.push_str("\n| world | case | variant | appears | vanishes |\n|---|---|---|---|---|\n");
+        for (world, board) in &self.worlds {
+            for difference in board.invariance.iter().flat_map(|i| &i.differences) {
+                let list = |claims: &[String]| {
+                    if claims.is_empty() { NOTHING.to_owned() } else { claims.join(", ") }
+                };
+                let (appeared, vanished) =
+                    (list(&difference.claims.appeared), list(&difference.claims.vanished));
+                let _ = writeln!(
+                    text,
+                    "| {} | {} | `{}` | {appeared} | {vanished} |",
+                    world.name(),
+                    difference.case,
+                    difference.variant
+                );
+            }
         }
         text
     }

@@ -162,6 +162,36 @@ fn a_null_is_flagged_by_what_is_news() {
     assert_eq!(score(&null, &structure, None, None).flagged_by, ["unexplained"]);
 }
 
+/// Of real recordings nobody knows which structure is missing: their nulls have a truth for change alone.
+#[test]
+fn nulls_of_real_recordings_are_flagged_by_changes_alone() {
+    let null = Truth { world: crate::case::World::Injected, ..truth("null", &[]) };
+    let (spring, change) = (claimed("spring", &[2], "calibration"), claimed("payload", &[0], "target"));
+    let said = |verdict: &str, structure: Option<Answer>, effects: &[Value]| Claim {
+        structure,
+        ..claim(verdict, effects)
+    };
+    let reference = said("no_mismatch", Some(Answer::Named), std::slice::from_ref(&spring));
+    let of = |claim: &Claim| score(&null, claim, None, Some(&reference));
+    let other = claimed("stribeck", &[1], "calibration");
+    let structural = of(&said("no_mismatch", Some(Answer::Unexplained), std::slice::from_ref(&other)));
+    assert!(structural.right && structural.beside == 0 && structural.named.is_empty());
+    assert!(structural.findings.is_empty(), "there is nothing to learn of them");
+    assert_eq!(structural.structure_agrees, Some(false));
+    let both = of(&said("named", Some(Answer::Named), &[spring, change.clone()]));
+    assert_eq!((both.structure_agrees, both.beside), (Some(true), 1));
+    assert_eq!(both.flagged_by, ["payload"]);
+    // A change that is claimed of other recordings as well is no truer.
+    let changed = said("named", Some(Answer::NoMismatch), &[change]);
+    assert!(!score(&null, &changed, None, Some(&changed)).right);
+    assert_eq!(of(&said("unexplained", Some(Answer::NoMismatch), &[])).flagged_by, ["unexplained"]);
+    assert_eq!(of(&Claim::failed()).flagged_by, ["failed"]);
+    assert!(of(&said("named", None, &[other])).right, "one verdict on claims of the structure");
+    let board = Scoreboard::of(&[structural, both]);
+    let board = &board.worlds[&crate::case::World::Injected];
+    assert_eq!((board.nulls_flagged.count, board.nulls_agree), (1, Share { count: 1, of: 2 }));
+}
+
 #[test]
 fn two_words_answer_two_questions() {
     let effects = [claimed("payload", &[0], "target"), claimed("spring", &[2], "calibration")];

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::case_score::{CaseScore, ScoredFinding};
 use super::claim::Answer;
+use super::invariance::Invariance;
 use super::learnt::Learnt;
 use super::reliability::Reliability;
 use super::share::{Share, mean, median};
@@ -128,6 +129,9 @@ pub struct WorldBoard {
     pub effects_of_pairs: Share,
     /// Nulls in which something was said to be missing.
     pub nulls_flagged: Share,
+    /// Nulls of real recordings whose structural claims are those of their reference.
+    #[serde(default)]
+    pub nulls_agree: Share,
     /// What nulls were flagged by, and in how many.
     pub flagged_by: BTreeMap<String, usize>,
     /// Unknown effects that were called unexplained.
@@ -142,6 +146,9 @@ pub struct WorldBoard {
     pub beside: Option<f64>,
     /// Joints on which a black box is better than the improved model by more than a twentieth.
     pub rival_better: Share,
+    /// Agreement of variants with their cases, where these were diagnosed.
+    #[serde(default)]
+    pub invariance: Option<Invariance>,
     /// Effect by effect.
     pub effects: Vec<EffectRow>,
     /// What was called something else, most frequent first.
@@ -184,6 +191,7 @@ impl WorldBoard {
                 of: pairs.iter().map(|s| s.truth.len()).sum(),
             },
             nulls_flagged: share(&nulls, |s| !s.right),
+            nulls_agree: Share::counted(nulls.iter().filter_map(|s| s.structure_agrees), |is| *is),
             flagged_by,
             unknown_effects: share(&unknown_effects, |s| s.right),
             beside_unknown_effects: mean(unknown_effects.iter().map(|s| s.beside as f64)),
@@ -194,6 +202,7 @@ impl WorldBoard {
                 count: own.iter().map(|s| s.rival_better.count).sum(),
                 of: own.iter().map(|s| s.rival_better.of).sum(),
             },
+            invariance: Invariance::of(&own),
             effects: effect_rows(&singles),
             confusion: confusion(&singles),
             reliability: Reliability::of(&findings, |f| f.confidence),

@@ -88,6 +88,33 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     assert_eq!(folder.read("again.json"), folder.read("learnt.json"));
 }
 
+/// Cases are diagnosed again in each variant, some or all of them; of the variants the verdicts stay.
+#[test]
+fn variants_of_cases_are_counted_and_their_recordings_go() {
+    let folder = Folder::new();
+    folder.write(
+        "plan.toml",
+        "[recordings]\nduration_s = 12.0\nrate_hz = 250.0\n[nulls]\nrobots = ['two_link']\ncount = 2\n",
+    );
+    let prove = ["prove", "--world", "clean", "--plan", "plan.toml", "--seed", "5", "--no-removal"];
+    let invariance = |more: &[&str]| {
+        let run = lab(
+            &folder,
+            prove.into_iter().chain(["--out", "proof", "--invariance"]).chain(more.iter().copied()),
+        );
+        assert!(run.succeeded().stdout().contains("| `other_order` | "));
+        folder.json("proof/scoreboard.json")["board"]["worlds"]["clean"]["invariance"].clone()
+    };
+    let one = invariance(&["1"]);
+    assert_eq!((&one["same"]["of"], &one["halves"]["of"]), (&5.into(), &1.into()), "{one:#}");
+    let kept = folder.path("proof/clean/variants/half_rate/case_0001/verdict.json");
+    let written = std::fs::metadata(&kept).unwrap().modified().unwrap();
+    let all = invariance(&[]);
+    assert_eq!((&all["same"]["of"], &all["halves"]["of"]), (&10.into(), &2.into()), "{all:#}");
+    assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), written);
+    assert_eq!(std::fs::read_dir(folder.path("proof/clean/cases")).unwrap().count(), 0);
+}
+
 #[test]
 fn a_world_that_cannot_be_made_here_is_skipped_with_a_line() {
     let folder = Folder::new();
