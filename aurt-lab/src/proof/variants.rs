@@ -36,6 +36,9 @@ const LEAST_RATE: f64 = 10.5;
 /// Quantities that are angles, or angles per second.
 const ANGLES: [&str; 6] = ["q", "qd", "actual_q", "actual_qd", "position", "velocity"];
 
+/// Names and contents of the files of a case.
+type NamedFiles = Vec<(String, Vec<u8>)>;
+
 /// The reason for which a case does not have a variant.
 type Unfit = &'static str;
 
@@ -73,7 +76,7 @@ impl Variant {
     ///
     /// # Errors
     /// A case whose files cannot be read.
-    pub fn files(self, case: &Path) -> Result<Result<Vec<(String, Vec<u8>)>, Unfit>, Failure> {
+    pub fn files(self, case: &Path) -> Result<Result<NamedFiles, Unfit>, Failure> {
         let mut files = read(case)?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let Some(experiment) = files.iter_mut().find(|(name, _)| name == EXPERIMENT) else {
@@ -259,7 +262,7 @@ mod tests {
     /// `f_dyn_hz`, and the recordings of each role as an experiment reads them.
     fn read_case(folder: &Path) -> (f64, [Vec<Recording>; 3]) {
         let mut registry = Registry::linked().unwrap();
-        let experiment = Experiment::read(&folder.join(EXPERIMENT), &mut registry).unwrap();
+        let experiment = Experiment::read(folder.join(EXPERIMENT), &mut registry).unwrap();
         let parts = experiment.recordings;
         let lists = [parts.calibration, parts.target, parts.validation].map(|list| {
             let options = |recorded| ReadOptions { recorded, ..ReadOptions::default() };
