@@ -32,23 +32,16 @@ const TURNS: usize = 2;
 /// fitted to all recordings.
 pub(super) fn without_gears(
     question: &Question<'_>,
-    mut judged: Judged,
+    original: Judged,
     of_all: bool,
 ) -> Result<WithoutGears, DiagnosisError> {
     let mut gears = Gears::default();
-    let mut recordings = None;
-    let mut before = None;
+    let mut freed: Option<(Vec<QuestionedRecording>, Judged)> = None;
     for turn in 0..TURNS {
-        let baseline = &judged.baseline;
+        let Judged { baseline, .. } = freed.as_ref().map_or(&original, |(_, refitted)| refitted);
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-        let inertial: Vec<(usize, f64)> = question
-            .model
-            .base()
-            .columns
-            .iter()
-            .copied()
-            .zip(baseline.coefficients.iter().copied())
-            .collect();
+        let columns = question.model.base().columns.iter().copied();
+        let inertial: Vec<(usize, f64)> = columns.zip(baseline.coefficients.iter().copied()).collect();
         let found = find_gears(question, &fit, &inertial)?;
         let confirmed = found.found.iter().any(|g| g.confirmed);
         if turn == 0 || confirmed {
@@ -57,44 +50,41 @@ pub(super) fn without_gears(
         if !confirmed {
             break;
         }
-        let Some((freed, refitted)) = refitted(question, &judged, &inertial, &mut gears.found, of_all)?
-        else {
+        freed = refitted(question, &original, (&fit, &inertial), &mut gears.found, of_all)?;
+        if freed.is_none() {
             break;
-        };
-        if turn == 0 {
-            before = Some(left(question, &judged));
         }
-        judged = refitted;
-        recordings = Some(freed);
     }
-    Ok(WithoutGears { judged, gears, recordings, before })
+    Ok(match freed {
+        Some((recordings, judged)) => {
+            let before = Some(left(question, &original));
+            WithoutGears { judged, gears, recordings: Some(recordings), before }
+        }
+        None => WithoutGears { judged: original, gears, recordings: None, before: None },
+    })
 }
 
 /// The recordings without the torque of the confirmed gears, and the model fitted to them; none where no gear stays confirmed.
 ///
-/// What a gear takes from the measurement, freed of what the refitted model absorbs, is c = r₀ − r₁, the difference of the
-/// residuals before and after. If the gear is there, r₀ follows c with an amplitude of one. A gear whose amplitude on these rows is
-/// below what physics allows by [`AWAY_STD`] deviations is the image of something else: it is no longer confirmed.
+/// The torque c that the gears take from the measurement, freed of what the model absorbs, is r₀ − r₁: the residual of the model
+/// fitted with their torque in it (`original`), less that of the model fitted without. If a gear is there, r₀ follows c with an
+/// amplitude of one. An amplitude below what physics allows by [`AWAY_STD`] deviations shows that another effect was fitted: the
+/// gear is not confirmed.
 fn refitted(
     question: &Question<'_>,
-    judged: &Judged,
-    inertial: &[(usize, f64)],
+    original: &Judged,
+    (fit, inertial): (&Fit<'_>, &[(usize, f64)]),
     gears: &mut [Shaking],
     of_all: bool,
 ) -> Result<Option<(Vec<QuestionedRecording>, Judged)>, DiagnosisError> {
-    let fit = Fit {
-        model: question.model,
-        load: &judged.baseline.load,
-        coefficients: &judged.baseline.coefficients,
-    };
     while gears.iter().any(|g| g.confirmed) {
-        let freed = undone(question, &fit, inertial, gears)?;
+        let freed = undone(question, fit, inertial, gears)?;
         let corrected = Question { recordings: &freed, ..*question };
         let baseline = if of_all { Baseline::of_all(&corrected)? } else { Baseline::new(&corrected)? };
         let after = Judged::new(&corrected, baseline)?;
         let mut contradicted = false;
         for gear in gears.iter_mut().filter(|g| g.confirmed) {
-            let [amplitude, std] = amplitude(question, [judged, &after], gear);
+            let [amplitude, std] = amplitude(question, [original, &after], gear);
             if amplitude + AWAY_STD * std < AMPLITUDE[0] {
                 gear.confirmed = false;
                 gear.fails.push(format!(
@@ -139,10 +129,10 @@ fn amplitude(question: &Question<'_>, judged: [&Judged; 2], gear: &Shaking) -> [
         }
     }
     let [along, square] = pieces.iter().fold([0.0; 2], |[s, i], [p, q]| [s + p, i + q]);
-    if square <= 0.0 {
+    let (amplitude, count) = (along / square, pieces.len() as f64);
+    if square <= 0.0 || count < 2.0 {
         return [1.0, f64::INFINITY];
     }
-    let (amplitude, count) = (along / square, pieces.len() as f64);
     let spread: f64 = pieces.iter().map(|[s, i]| (s - amplitude * i).powi(2)).sum();
     [amplitude, (count / (count - 1.0) * spread).sqrt() / square]
 }

@@ -239,7 +239,7 @@ impl Scan {
         (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0)
     }
 
-    /// Where the scan is lowest, s, and the deviation that its curvature means.
+    /// The lowest point of the scan, s, and the deviation that its curvature means.
     fn size(&self) -> Option<[f64; 2]> {
         let coarse = self.vertex()?;
         let (delay_s, std_s) = self.fine.as_ref().map_or(coarse, |(at_s, around)| {

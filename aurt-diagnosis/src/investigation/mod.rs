@@ -147,7 +147,7 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let Examined { mut investigation, recordings } = selected(question, registry, &mut progress)?;
+    let Examination { mut investigation, recordings } = selected(question, registry, &mut progress)?;
     progress("testing the findings");
     let question = &Question { recordings: &recordings, ..*question };
     earn(question, &mut investigation)?;
@@ -156,7 +156,7 @@ pub fn investigate(
 }
 
 /// An investigation up to selection.
-struct Examined {
+struct Examination {
     investigation: Investigation,
     /// The recordings as they were examined: repaired, and without the torque of gears.
     recordings: Vec<QuestionedRecording>,
@@ -167,7 +167,7 @@ fn selected(
     question: &Question<'_>,
     registry: &Registry,
     mut progress: impl FnMut(&str),
-) -> Result<Examined, DiagnosisError> {
+) -> Result<Examination, DiagnosisError> {
     let first = investigate_as_it_is(question, registry, &mut progress)?;
     let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
@@ -211,7 +211,7 @@ fn investigate_as_it_is(
     question: &Question<'_>,
     registry: &Registry,
     progress: &mut impl FnMut(&str),
-) -> Result<Examined, DiagnosisError> {
+) -> Result<Examination, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
         return Err(DiagnosisError::NothingToDiagnose);
     }
@@ -398,7 +398,7 @@ fn investigate_as_it_is(
         free,
         mean_independent_share,
     };
-    Ok(Examined { investigation, recordings: gears.recordings.unwrap_or(recordings) })
+    Ok(Examination { investigation, recordings: gears.recordings.unwrap_or(recordings) })
 }
 
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.

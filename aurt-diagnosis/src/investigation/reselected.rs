@@ -17,8 +17,8 @@ use crate::search::selection::{Chosen, Selection, Selector};
 /// Searches after the first. Each bars what failed before it; two suffice for a chain of an effect and its two neighbours.
 const SEARCHES: usize = 2;
 
-/// Searches again while something that was selected fails a test, from what passed all of them. A search that finds nothing
-/// that passes changes nothing.
+/// Searches again while something that was selected fails a test, from what passed all of them. A search that finds nothing more
+/// that passes changes no claim.
 ///
 /// # Errors
 /// What laws, filters and the tests report.
@@ -43,7 +43,8 @@ pub(super) fn reselect(
         let failed_now = std::mem::replace(&mut investigation.indicated, failed);
         if !found_more {
             (investigation.selection, investigation.stability) = passed;
-            return Ok(());
+            // The search has estimated shapes anew.
+            return confirm(question, registry, investigation);
         }
         let is_claimed = |group: usize, chosen: &[Chosen]| chosen.iter().any(|c| c.group == group);
         let Investigation { selection, indicated, .. } = investigation;

@@ -19,7 +19,7 @@ pub(crate) fn meant(path: &Path) -> io::Result<PathBuf> {
     fs::canonicalize(path).or_else(|_| linked(path))
 }
 
-/// Where a link leads that leads nowhere yet; the path itself if it is no link.
+/// The target of a link whose target does not exist yet; the path itself if it is no link.
 fn linked(path: &Path) -> io::Result<PathBuf> {
     let Ok(target) = fs::read_link(path) else { return Ok(path.to_owned()) };
     let target = folder_of(path).join(target);

@@ -26,7 +26,7 @@ pub struct Options {
     pub without: bool,
     /// Whether every single is diagnosed once more with its candidate alone.
     pub oracle: bool,
-    /// How many cases, from the first, are diagnosed once more in each variant.
+    /// Number of cases, from the first, that are diagnosed once more in each variant.
     pub varied: usize,
     /// The part of the cases that is made here.
     pub shard: Shard,
@@ -71,13 +71,13 @@ fn is_done(folder: &Path) -> bool {
 }
 
 /// A variant of a case: its files while they are needed, and its verdict.
-struct Varied {
+struct VariantCase {
     variant: Variant,
     files: PathBuf,
     verdict: PathBuf,
 }
 
-impl Varied {
+impl VariantCase {
     fn all(place: &Place, case: &str) -> Vec<Self> {
         let of = |variant: Variant| Self {
             variant,
@@ -128,7 +128,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
             .filter(|(asked, ..)| *asked)
             .filter_map(|(_, out, option)| Some((out.join(&name), [option, single?])))
             .collect();
-    let varied = if index < options.varied { Varied::all(place, &name) } else { Vec::new() };
+    let varied = if index < options.varied { VariantCase::all(place, &name) } else { Vec::new() };
     let unmade = place.unmade().join(format!("{name}.txt"));
     let mut verdicts = again.iter().map(|(folder, _)| folder).chain(varied.iter().map(|v| &v.verdict));
     if unmade.exists() || is_done(&verdict) && verdicts.all(|folder| is_done(folder)) {

@@ -75,7 +75,7 @@ pub(super) struct Column<'a> {
 
 /// Levels and numbers of a page.
 #[derive(Debug, Default)]
-struct Decoded {
+struct PageContent {
     definitions: Vec<i16>,
     repetitions: Vec<i16>,
     numbers: Vec<f64>,
@@ -185,7 +185,7 @@ impl<'a> Column<'a> {
     }
 
     /// Takes the numbers of a page.
-    fn take(&mut self, page: Decoded) -> Result<(), Problem> {
+    fn take(&mut self, page: PageContent) -> Result<(), Problem> {
         let defined = self.leaf.defined;
         let mut numbers = page.numbers.into_iter();
         let mut value = |level: &i16| {
@@ -224,7 +224,7 @@ impl<'a> Column<'a> {
 }
 
 /// The next page of numbers; without levels after the last.
-fn decode(reader: &mut ColumnReader, leaf: &Leaf) -> Result<Decoded, ParquetError> {
+fn decode(reader: &mut ColumnReader, leaf: &Leaf) -> Result<PageContent, ParquetError> {
     let number = leaf.number;
     match reader {
         ColumnReader::BoolColumnReader(reader) => numbers(reader, |v| f64::from(u8::from(*v))),
@@ -239,8 +239,8 @@ fn decode(reader: &mut ColumnReader, leaf: &Leaf) -> Result<Decoded, ParquetErro
 fn numbers<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     value: impl Fn(&T::T) -> f64,
-) -> Result<Decoded, ParquetError> {
-    let (mut page, mut values) = (Decoded::default(), Vec::new());
+) -> Result<PageContent, ParquetError> {
+    let (mut page, mut values) = (PageContent::default(), Vec::new());
     let (definitions, repetitions) = (Some(&mut page.definitions), Some(&mut page.repetitions));
     page.levels = reader.read_records(usize::MAX, definitions, repetitions, &mut values)?.2;
     page.numbers = values.iter().map(value).collect();
