@@ -114,19 +114,19 @@ impl Tested<'_> {
                 let noise = memory.fit();
                 let (mut score, mut variance) = (DVector::zeros(n), DMatrix::zeros(n, n));
                 for pair in &joints[j] {
-                    let coloured = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-                        let of = |z: &Vec<f64>| {
-                            let mut out = Vec::new();
-                            noise.coloured(z, &mut out);
-                            out
-                        };
-                        columns.iter().map(of).collect()
+                    let coloured = |column: &[f64]| {
+                        let mut out = Vec::new();
+                        noise.coloured(column, &mut out);
+                        out
                     };
-                    let (left, explained): (Vec<_>, Vec<_>) =
-                        tested.iter().map(|c| pair.split(columns, *c, &taken)).unzip();
-                    let (own, fitted) = (coloured(&left), coloured(&explained));
+                    let (mut own, mut fitted) = (Vec::new(), Vec::new());
+                    for column in &tested {
+                        let (left, explained) = pair.split(columns, *column, &taken);
+                        score[*column] += pair.times * dot(&left, &pair.plain.residual);
+                        own.push(coloured(&left));
+                        fitted.push(coloured(&explained));
+                    }
                     for (a, first) in tested.iter().enumerate() {
-                        score[*first] += pair.times * dot(&left[a], &pair.plain.residual);
                         for (b, second) in tested.iter().enumerate() {
                             let sum = dot(&own[a], &own[b]) + ALLOWED * dot(&fitted[a], &fitted[b]);
                             variance[(*first, *second)] += pair.times.powi(2) * sum;

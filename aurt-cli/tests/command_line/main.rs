@@ -22,6 +22,8 @@ mod learnt;
 mod long_recordings;
 mod machine_output;
 mod matrix;
+#[cfg(target_os = "linux")]
+mod memory;
 mod model_schema;
 mod names;
 mod outputs;

@@ -63,9 +63,10 @@ pub(super) fn doubts(recording: &DriveRecording, signal: CommandSignal) -> Vec<S
 const STAIRS: usize = 20;
 
 /// Rows from change to change of a moving command that is sent less often than it is recorded: a staircase. None of one that
-/// changes with every row, or that does not move for long.
+/// changes with every row, or that does not move for long. A command that moves goes on in its direction with most changes; one
+/// that names pose after pose does not, and tells nothing of what lies between two rows.
 pub(super) fn rows_per_command(recording: &DriveRecording) -> Option<f64> {
-    let (mut rows, mut changes, mut repeats) = (0, 0, 0);
+    let (mut rows, mut changes, mut repeats, mut onward) = (0, 0, 0, 0);
     for command in &recording.command {
         let changed: Vec<usize> = (1..command.len()).filter(|k| command[*k] != command[*k - 1]).collect();
         // Between changes that are the same number of rows apart it moves; longer pauses are rests.
@@ -73,12 +74,15 @@ pub(super) fn rows_per_command(recording: &DriveRecording) -> Option<f64> {
         let mut sorted = gaps.clone();
         sorted.sort_unstable();
         let Some(usual) = sorted.get(sorted.len() / 2).copied() else { continue };
-        let moving = gaps.iter().filter(|gap| **gap <= 2 * usual);
-        rows += moving.clone().sum::<usize>();
-        changes += moving.clone().count();
-        repeats += moving.filter(|gap| **gap > 1).count();
+        let by = |row: usize| command[row] - command[row - 1];
+        for (gap, pair) in gaps.iter().zip(changed.windows(2)).filter(|(gap, _)| **gap <= 2 * usual) {
+            rows += gap;
+            changes += 1;
+            repeats += usize::from(*gap > 1);
+            onward += usize::from(by(pair[0]) * by(pair[1]) > 0.0);
+        }
     }
-    let is_staircase = changes >= STAIRS && 2 * repeats > changes;
+    let is_staircase = changes >= STAIRS && 2 * repeats > changes && 2 * onward > changes;
     is_staircase.then(|| rows as f64 / changes as f64)
 }
 
@@ -220,6 +224,17 @@ mod tests {
         slow.command[0] = (0..600).map(|k| slow.command[0][k / 5 * 5]).collect();
         assert!(doubts(&slow)[0].contains("every 5.0th row") && doubts(&slow)[0].contains("hold"));
         assert!(super::doubts(&slow, CommandSignal::Hold).is_empty());
+    }
+
+    #[test]
+    fn poses_that_are_held_are_no_command_that_is_sent_seldom() {
+        let mut slow = recording(4, 1.0);
+        slow.command[0] = (0..600).map(|k| slow.command[0][k / 5 * 5]).collect();
+        assert_eq!(rows_per_command(&slow), Some(5.0));
+        // Fifty poses of twelve rows in no order.
+        let pose = |k: usize| [0.0, 0.8, -0.3, 0.4, -0.9, 0.6, -0.1][k / 12 * 3 % 7];
+        slow.command[0] = (0..600).map(pose).collect();
+        assert_eq!(rows_per_command(&slow), None);
     }
 
     #[test]
