@@ -1,0 +1,148 @@
+//! What a calibration tells of noise in the positions: the test of Durbin, Wu and Hausman, and a bias that intervals hold.
+
+use crate::known_robot;
+
+use aurt_calibration::{
+    Calibration, CalibrationOptions, Deviations, Estimator, ShapeOptions, TermScopes, calibrate,
+    calibrate_shapes,
+};
+use aurt_recording::PreprocessOptions;
+use aurt_traits::MeasurementUnit;
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, Stribeck, measured, measured_and};
+
+fn calibrated(bits: Option<u32>) -> Calibration {
+    let mut robot = KnownRobot::new(None);
+    let clean = robot.clean(0, 20.0);
+    let recordings = [measured(&clean, "known", 3, Noise::White, 1.0, bits)];
+    let options = CalibrationOptions::default();
+    calibrate(&robot.model, &recordings, MeasurementUnit::NewtonMetre, F_DYN_HZ, &options).unwrap()
+}
+
+#[test]
+fn exact_and_fine_encoders_are_not_called_biased() {
+    for bits in [None, Some(19), Some(16)] {
+        let found = calibrated(bits);
+        let bias = found.position_bias.unwrap();
+        assert!(bias.hausman.is_none_or(|test| !test.is_biased()), "{bits:?}");
+        assert!(
+            !found.warnings.iter().any(|w| w.contains("instrumental variables")),
+            "{bits:?} {:?}",
+            found.warnings
+        );
+    }
+}
+
+/// However many bits are missing.
+#[test]
+fn coarse_encoders_are_and_the_cure_is_told() {
+    for bits in [12, 11, 10] {
+        let found = calibrated(Some(bits));
+        let bias = found.position_bias.as_ref().unwrap();
+        let test = bias.hausman.as_ref().unwrap();
+        assert!(test.is_biased() && test.freedom > 10, "{bits} {test:?}");
+        let cure = "instrumental variables confirm it; use ";
+        assert!(found.warnings.iter().any(|w| w.contains(cure)), "{bits} {:?}", found.warnings);
+    }
+}
+
+/// Coefficients are biased by noise of the positions, and their deviations are wider by it: they hold the truth.
+#[test]
+fn intervals_hold_the_bias() {
+    let mut robot = KnownRobot::new(None);
+    let clean = robot.clean(0, 20.0);
+    let recordings = [measured(&clean, "known", 3, Noise::White, 1.0, Positions::White(1e-3))];
+    let options = CalibrationOptions::default();
+    let unit = MeasurementUnit::NewtonMetre;
+    let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
+    let bias = found.position_bias.as_ref().unwrap();
+    assert_eq!(bias.parameters.len(), found.parameters.len());
+    let (mut held, mut without) = (0, 0);
+    for ((parameter, bias), truth) in found.parameters.iter().zip(&bias.parameters).zip(&robot.truth) {
+        let deviation = parameter.std_dev.unwrap();
+        let other = bias.bias / bias.deviations;
+        assert!((deviation - other.hypot(bias.bias)).abs() < 1e-9 * deviation, "{parameter:?} {bias:?}");
+        held += usize::from((parameter.value - truth).abs() < 1.96 * deviation);
+        without += usize::from((parameter.value - truth).abs() < 1.96 * other.abs());
+    }
+    let all = found.parameters.len();
+    assert!(held >= all - 3, "{held} of {all}");
+    assert!(without < held, "{without} {held}");
+}
+
+/// Of the shapes of a law, too: b is part of their deviations, a warning names them where it is most of these, and estimators
+/// that do not tell the bias have none.
+#[test]
+fn intervals_of_shapes_hold_the_bias() {
+    let law = Stribeck { joint: 1, rise_nm: 7.0, velocity_rad_s: 0.1, exponent: 2.0 };
+    let mut robot = KnownRobot::with_stribeck(None, vec![law]);
+    let clean = robot.clean_at_ends(0, 20.0);
+    let found = |bits, estimator, deviations| {
+        let preprocess = PreprocessOptions::new(F_DYN_HZ);
+        let recordings =
+            [measured_and(&clean, "known", 5, Noise::White, 1.0, Positions::Bits(bits), &preprocess)];
+        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
+        let unit = MeasurementUnit::NewtonMetre;
+        let everywhere = TermScopes::everywhere();
+        let search = ShapeOptions::default();
+        calibrate_shapes(&robot.model, &recordings, &everywhere, unit, F_DYN_HZ, &options, &search).unwrap().1
+    };
+    let mut warned = Vec::new();
+    for bits in [17, 13] {
+        let with = found(bits, Estimator::Wls, Deviations::Memory);
+        let shape = &with.shape_fit.as_ref().unwrap().shapes[0];
+        let (b, deviation) = (shape.shift_by_position_noise.unwrap(), shape.std_dev.unwrap());
+        assert!(b < deviation, "{bits} {shape:?}");
+        let warning = format!("{} = ", shape.label());
+        let is_named = with.warnings.iter().any(|w| w.contains("may have shifted") && w.contains(&warning));
+        assert_eq!(is_named, 2.0 * b * b > deviation * deviation, "{bits} {shape:?} {:?}", with.warnings);
+        warned.push(is_named);
+        assert!(!with.position_bias.as_ref().unwrap().parameters.is_empty());
+        let [low, high] = shape.interval_95.unwrap();
+        assert!((low..=high).contains(&law.velocity_rad_s), "{shape:?}");
+    }
+    assert_eq!(warned, [false, true]);
+    for (estimator, deviations) in [
+        (Estimator::Irls, Deviations::Memory),
+        (Estimator::Essential, Deviations::Memory),
+        (Estimator::Wls, Deviations::White),
+    ] {
+        let without = found(13, estimator, deviations);
+        let shape = &without.shape_fit.as_ref().unwrap().shapes[0];
+        assert!(shape.shift_by_position_noise.is_none() && without.position_bias.is_none());
+    }
+}
+
+/// Where the model lacks rotors and Stribeck friction, instruments disagree too, and the noise of a fine encoder is not blamed.
+#[test]
+fn missing_torques_are_not_blamed_on_noise() {
+    let law = |joint: usize| Stribeck {
+        joint,
+        rise_nm: 9.0 / (1.0 + joint as f64),
+        velocity_rad_s: 0.2,
+        exponent: 1.0,
+    };
+    let mut robot = KnownRobot::with_stribeck(None, (0..6).map(law).collect());
+    // A filter within the motion, so that instruments see another share of what is missing.
+    let f_dyn_hz = 0.5;
+    let preprocess = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(f_dyn_hz) };
+    let recordings = (0..8).map(|kind| {
+        let mut clean = robot.clean(kind, 20.0);
+        let torques = clean.measurement.as_mut().unwrap();
+        for (torque, position) in torques.iter_mut().zip(&clean.position_rad) {
+            for (torque, q) in torque.iter_mut().skip(1).zip(position.windows(3)) {
+                *torque += 1.5 * (q[2] - 2.0 * q[1] + q[0]) * known_robot::RATE_HZ.powi(2);
+            }
+        }
+        let positions = Positions::White(3e-3);
+        measured_and(&clean, &kind.to_string(), kind as u64, Noise::White, 0.2, positions, &preprocess)
+    });
+    let recordings: Vec<_> = recordings.collect();
+    let model = KnownRobot::new(None).model;
+    let options = CalibrationOptions::default();
+    let found = calibrate(&model, &recordings, MeasurementUnit::NewtonMetre, f_dyn_hz, &options).unwrap();
+    let test = found.position_bias.as_ref().unwrap().hausman.as_ref().unwrap();
+    assert!(test.is_biased() && test.is_beyond_noise(), "{test:?}");
+    let said = found.warnings.join("; ");
+    assert!(said.contains("differ by more than the measured position noise explains"), "{said}");
+    assert!(!said.contains("position noise biases coefficients"), "{said}");
+}

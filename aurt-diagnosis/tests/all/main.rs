@@ -1,0 +1,8 @@
+//! What the crate promises of diagnoses, in one program.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod drives;
+mod effects;
+mod noise;
+mod real_ur10e;
+mod series;

@@ -1,0 +1,7 @@
+//! What the crate promises of experiments, in one program.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod any_text;
+mod experiment;
+mod sweep;
+mod workbench;

@@ -1,0 +1,4 @@
+//! Experiments with a `[drive]`.
+
+mod drives;
+mod second_opinion;

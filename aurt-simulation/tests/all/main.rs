@@ -1,0 +1,10 @@
+//! What the crate promises of simulations, in one program.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod absurd;
+mod bristles;
+#[path = "../../examples/pictures/experiments.rs"]
+mod experiments;
+mod integrator;
+mod model;
+mod robots;
