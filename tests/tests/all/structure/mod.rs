@@ -92,6 +92,33 @@ fn crates() -> BTreeMap<String, Crate> {
         .collect()
 }
 
+/// Files and folders beside a program's `main.rs` that are no modules of it.
+fn without_module(folder: &Path) -> Vec<String> {
+    let main = std::fs::read_to_string(folder.join("main.rs")).unwrap();
+    let modules: BTreeSet<&str> =
+        main.lines().filter_map(|line| line.trim().strip_prefix("mod ")?.strip_suffix(';')).collect();
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .filter(|path| path.extension().is_some_and(|e| e == "rs") || path.join("mod.rs").is_file())
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .filter(|name| name != "main" && !modules.contains(name.as_str()))
+        .collect()
+}
+
+#[test]
+fn every_file_of_a_test_program_is_a_module_of_it() {
+    let mut programs = 0;
+    for Crate { folder, .. } in crates().values() {
+        let Ok(entries) = std::fs::read_dir(Path::new(ROOT).join(folder).join("tests")) else { continue };
+        for program in entries.map(|entry| entry.unwrap().path()).filter(|p| p.join("main.rs").is_file()) {
+            programs += 1;
+            let forgotten = without_module(&program);
+            assert!(forgotten.is_empty(), "{} does not run {forgotten:?}", program.display());
+        }
+    }
+    assert!(programs > 8, "{programs} test programs of several files");
+}
+
 #[test]
 fn crates_import_only_from_crates_above_them() {
     let (order, crates) = (order(), crates());
