@@ -4,5 +4,4 @@
 mod arm_physics;
 mod false_declarations;
 mod registry;
-mod slots;
 mod textbook;
