@@ -13,7 +13,6 @@ mod known_robot;
 mod long;
 mod position_noise;
 mod recursive;
-mod reproducible;
 mod robust;
 mod row_cache;
 mod separability;

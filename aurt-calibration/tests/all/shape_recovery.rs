@@ -1,5 +1,4 @@
 //! Shape parameters are recovered from recordings whose friction is integrated here, by other formulas and in finer
-
 //! steps than the models'.
 
 use crate::arm;

@@ -1,5 +1,4 @@
 //! The noise floor against recordings whose noise is known: exact rigid bodies with dry and viscous friction, moved along
-
 //! planned trajectories, seen through encoders, clocks and ammeters of our own making.
 
 use std::{path::Path, sync::Arc};

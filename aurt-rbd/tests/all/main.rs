@@ -3,7 +3,6 @@
 
 mod base_parameters;
 mod coupled;
-mod dispatch;
 mod identities;
 mod mdh;
 mod reference;

@@ -1,5 +1,4 @@
 //! Filters, splines and derivatives against numpy and scipy (`reference/make_reference.py`), and the blockwise
-
 //! bank against the filter over whole series.
 
 use aurt_recording::{RecordingError, ZeroPhase, ZeroPhaseBank};

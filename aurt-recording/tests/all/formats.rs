@@ -1,7 +1,6 @@
 //! One recording in every format: the numbers are the same, bit for bit.
 //!
 //! The files in `formats/` were written by NumPy, SciPy, mcap-ros2-support and PyArrow (`formats/make_formats.py`) from the first rows
-
 //! of a simulated UR10e. Where Python has these packages they are written anew and read again.
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! Real recordings, read and preprocessed. They are no part of the repository: the folder that holds them is named
-
 //! by the environment variable `AURT_DATA`.
 
 use std::path::PathBuf;

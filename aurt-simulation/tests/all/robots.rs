@@ -1,6 +1,5 @@
 //! The simulated robots against Pinocchio, and whether they could be built.
 //!
-
 //! `reference/make_reference.py` wrote `reference/reference.json` and says how.
 
 use std::collections::BTreeMap;

@@ -15,7 +15,7 @@ const DAMAGED: u32 = 200;
 fn inputs(target: &str) -> Vec<Vec<u8>> {
     let others: &[&str] = match target {
         "recording" => &["aurt-recording/tests/formats"],
-        "robot" => &["aurt-rbd/tests/descriptions/reference", "aurt-rbd/tests/all/robots"],
+        "robot" => &["aurt-rbd/tests/descriptions/reference"],
         _ => &[],
     };
     let kept = format!("fuzz/corpus/{target}");

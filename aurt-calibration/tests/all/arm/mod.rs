@@ -1,5 +1,4 @@
 //! A two-link arm in a vertical plane whose torques come from its closed-form equations of motion, moved by
-
 //! multi-sines, with friction that each test integrates by itself.
 
 use aurt_calibration::NamedRecording;

@@ -2,7 +2,6 @@
 //!
 //! With the absolute angles θ_i = q_0 + … + q_i and the joints' positions p_i in the plane, link i loads joint
 //! j ≤ i with ZZ θ̈_i + s × (p̈_i − g) + (p_i − p_j) × (m (p̈_i − g) + θ̈_i ẑ × s − θ̇_i² s), where s is its first
-
 //! moment in the base frame. This is Newton's and Euler's law about p_j.
 
 use aurt_traits::{MotionView, Parameter, RegressorTile, RigidBodyRegressor};

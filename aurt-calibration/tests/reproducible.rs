@@ -1,7 +1,9 @@
 //! The same recordings give the same bits however many threads work, and at the baseline on every machine; other
 //! instruction sets agree to rounding. One test alone, because the instruction set is chosen for the whole process.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::workload;
+#[path = "../benches/workload/mod.rs"]
+mod workload;
 
 use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording, calibrate};
 use aurt_recording::{PreprocessOptions, preprocess};

@@ -1,6 +1,10 @@
-//! The regressor kernel's instruction sets, batches and tiles.
+//! The regressor kernel's instruction sets, batches and tiles: a program of its own, because the instruction set is chosen for the
+//! whole process.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::robots;
+#[path = "all/robots/mod.rs"]
+#[expect(dead_code, reason = "the other program uses the rest")]
+mod robots;
 
 use aurt_rbd::{Dispatch, SerialChain};
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
