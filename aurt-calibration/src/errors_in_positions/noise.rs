@@ -96,6 +96,7 @@ mod tests {
             motion: motion.unwrap(),
             measurement: None,
             raw_measurement: None,
+            left_out: None,
             rate_hz,
             decimation: 1,
             parallel_filter: filter.clone(),

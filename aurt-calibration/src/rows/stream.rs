@@ -67,7 +67,8 @@ pub fn for_each_tile(
     Ok(())
 }
 
-/// Evaluates the model over a segment and hands over its filtered, decimated rows, one column per tile slot.
+/// Evaluates the model over a segment and hands over its filtered, decimated rows, one column per tile slot; samples that
+/// are left out of the segment are zero.
 ///
 /// # Errors
 /// Whatever a model reports.
@@ -79,8 +80,21 @@ pub fn for_each_row_block(
 ) -> Result<(), CalibrationError> {
     let mut filter = segment.bank(model.slots());
     let mut visit = |tile: DecimatedTile<'_>| visit(RowBlock::from(tile));
-    for_each_tile(model, segment, load, |_, tile| {
-        filter.push(tile.raw(), tile.stride(), tile.samples(), &mut visit);
+    let mut silenced = Vec::new();
+    for_each_tile(model, segment, load, |first, tile| {
+        let mut values = tile.raw();
+        if segment.left_out.is_some() {
+            silenced.clear();
+            silenced.extend_from_slice(values);
+            for joint in 0..model.joints() {
+                for slot in model.row_slots(joint) {
+                    let start = slot * tile.stride();
+                    segment.silence(joint, first, &mut silenced[start..start + tile.samples()]);
+                }
+            }
+            values = &silenced;
+        }
+        filter.push(values, tile.stride(), tile.samples(), &mut visit);
     })?;
     Ok(filter.finish(&mut visit)?)
 }
@@ -100,8 +114,11 @@ pub fn for_each_predicted_block(
     let mut filter = segment.bank(joints);
     let mut visit = |tile: DecimatedTile<'_>| visit(RowBlock::from(tile));
     let mut predicted = vec![0.0; joints * TILE_SAMPLES];
-    for_each_tile(model, segment, load, |_, tile| {
+    for_each_tile(model, segment, load, |first, tile| {
         predict_tile(model, tile, coefficients, TILE_SAMPLES, &mut predicted);
+        for (joint, series) in predicted.chunks_exact_mut(TILE_SAMPLES).enumerate() {
+            segment.silence(joint, first, &mut series[..tile.samples()]);
+        }
         filter.push(&predicted, TILE_SAMPLES, tile.samples(), &mut visit);
     })?;
     Ok(filter.finish(&mut visit)?)

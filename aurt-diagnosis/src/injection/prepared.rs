@@ -124,7 +124,12 @@ impl<'a> Prepared<'a> {
         let repaired = seen.spoilt.as_ref().and_then(|s| s.faults.repaired(&added));
         // An offset is of the measurement as a whole.
         let options = PreprocessOptions { offsets: None, ..seen.options.clone() };
-        let data = preprocess(repaired.as_ref().unwrap_or(&added), &options)?;
+        let mut data = preprocess(repaired.as_ref().unwrap_or(&added), &options)?;
+        for (segment, of_seen) in data.segments.iter_mut().zip(&seen.data.data.segments) {
+            if let Some(left_out) = &of_seen.left_out {
+                segment.leave_out(left_out.clone())?;
+            }
+        }
         let mut rows = vec![Vec::new(); self.question.model.joints()];
         for segment in &data.segments {
             for (all, series) in rows.iter_mut().zip(segment.measurement.iter().flatten()) {

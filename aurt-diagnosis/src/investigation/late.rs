@@ -2,14 +2,9 @@
 //!
 //! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
-//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them. Rows near
-//! reversals have most to say of whether there is a delay, and err in its size: what a joint does while it sticks or creeps
-//! follows travel and not time. So the scan is made with and without them, and without them it gives the size.
+//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
 
-use std::sync::Arc;
-
-use aurt_calibration::NamedRecording;
-use aurt_recording::{Segment, preprocess};
+use aurt_recording::Segment;
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
@@ -58,9 +53,6 @@ const BEYOND: usize = 4;
 /// Share of a step at which the lowest point is looked at once more.
 const FINE: f64 = 0.25;
 
-/// Rows within this many periods of `f_dyn_hz` of a reversal or a rest are near it: the filters' impulse response.
-const NEAR_PERIODS: f64 = 1.0;
-
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
 
@@ -88,25 +80,11 @@ impl Delay {
         investigation: &Investigation,
     ) -> Result<Option<Self>, DiagnosisError> {
         let problem = &investigation.problem;
-        // Rows are of recordings whose faults are repaired.
-        let repaired: Vec<QuestionedRecording>;
-        let recordings = if investigation.faults.is_empty() {
-            question.recordings
-        } else {
-            repaired =
-                question.recordings.iter().map(|r| r.repaired(question.without)).collect::<Result<_, _>>()?;
-            &repaired
-        };
-        let question = &Question { recordings, ..*question };
-        let scan = |target_only| {
-            let [all, away] =
-                [0.0, NEAR_PERIODS].map(|near| Scan::new(question, investigation, target_only, near));
-            let found = all.delay().or_else(|| away.delay())?;
-            Some(match away.size().filter(|[delay_s, std_s]| *delay_s > CLEAR * std_s) {
-                Some([delay_s, std_s]) => Self { delay_s, std_s, ..found },
-                None => found,
-            })
-        };
+        // Rows are of repaired recordings.
+        let recordings =
+            question.recordings.iter().map(|r| r.repaired(question.without)).collect::<Result<Vec<_>, _>>()?;
+        let question = &Question { recordings: &recordings, ..*question };
+        let scan = |target_only| Scan::new(question, investigation, target_only).delay();
         let in_all = problem.has_reference() || !problem.has_target();
         let found = [in_all.then(|| scan(false)), problem.has_target().then(|| scan(true))];
         Ok(found.into_iter().flatten().flatten().max_by(|a, b| a.score.total_cmp(&b.score)))
@@ -125,11 +103,10 @@ impl Delay {
                 if self.target_only && recording.role == Role::Calibration {
                     return Ok(shifted);
                 }
-                let delays =
-                    shifted.options.delay_s.get_or_insert_with(|| vec![0.0; question.model.joints()]);
+                let mut options = recording.options.clone();
+                let delays = options.delay_s.get_or_insert_with(|| vec![0.0; question.model.joints()]);
                 delays.iter_mut().for_each(|delay| *delay += self.delay_s);
-                let data = preprocess(&shifted.raw, &shifted.options)?;
-                shifted.data = Arc::new(NamedRecording { name: recording.data.name.clone(), data });
+                shifted.preprocessed_anew(options)?;
                 Ok(shifted)
             })
             .collect()
@@ -154,13 +131,7 @@ struct Scan {
 }
 
 impl Scan {
-    /// Over the rows that are `near_periods` of `f_dyn_hz` away from reversals; over all for 0.
-    fn new(
-        question: &Question<'_>,
-        investigation: &Investigation,
-        target_only: bool,
-        near_periods: f64,
-    ) -> Self {
+    fn new(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Self {
         let problem = &investigation.problem;
         let switches = model(investigation);
         let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
@@ -173,18 +144,11 @@ impl Scan {
         );
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
-        let masks: Vec<Vec<Vec<bool>>> = investigation
-            .rows
-            .iter()
-            .map(|r| away_from_reversals(r, near_periods / question.f_dyn_hz))
-            .collect();
         let used = used_columns(investigation, &switches);
-        let mut trial = masked(investigation, &used, &masks);
-        let counted: Vec<f64> =
-            (0..problem.joints()).map(|j| (trial[0][j].rows + trial[1][j].rows).max(1.0)).collect();
-        let rows = |j: usize| counted[j];
+        let mut trial = problem.total().clone();
+        let rows = |j: usize| (problem.total()[0][j].rows + problem.total()[1][j].rows).max(1.0);
         let mut at = |delay_s: f64| -> Vec<f64> {
-            shift(question, investigation, (&used, &masks), target_only, delay_s, &mut trial);
+            shift(question, investigation, &used, target_only, delay_s, &mut trial);
             let fit = problem.part_fit(&trial, &ordered, free, &weights);
             let beta = problem.extend(&trial, &fit, (&ordered, free), &[], &weights);
             let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
@@ -213,11 +177,11 @@ impl Scan {
         scan
     }
 
-    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none at −1 or 0
-    /// steps, or where the scan ended.
+    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none at −1 steps, or
+    /// where the scan ended.
     fn vertex(&self) -> Option<(f64, f64)> {
         let lowest = self.lowest();
-        if lowest < 2 || lowest + 1 >= self.errors.len() {
+        if lowest < 1 || lowest + 1 >= self.errors.len() {
             return None;
         }
         let around = [lowest - 1, lowest, lowest + 1].map(|k| self.value(&self.errors[k]));
@@ -250,12 +214,14 @@ impl Scan {
 
     /// The delay, if it is one.
     fn delay(&self) -> Option<Delay> {
-        let lowest = self.lowest();
         let [delay_s, std_s] = self.size()?;
-        let score = self.value(&self.errors[1]) - self.value(&self.errors[lowest]);
-        let gain = |j: &usize| {
-            self.log_error(&self.errors[1], *j) - self.log_error(&self.errors[lowest], *j) > self.reduction
-        };
+        // A delay of less than half a step is seen beside the steps alone.
+        let steps = &self.errors[self.lowest()];
+        let fine = self.fine.as_ref().map(|(_, around)| &around[1]);
+        let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
+        let score = self.value(&self.errors[1]) - self.value(least);
+        let gain =
+            |j: &usize| self.log_error(&self.errors[1], *j) - self.log_error(least, *j) > self.reduction;
         let joints = self.effective.len();
         let shown = (0..joints).filter(gain).count();
         let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
@@ -296,69 +262,11 @@ fn used_columns(investigation: &Investigation, switches: &[Switch]) -> Vec<Vec<u
     investigation.layout.rows.iter().map(of_joint).collect()
 }
 
-/// Rows that count and are farther than `near_s` from any at which the joint reverses or rests, joint by joint; all that count
-/// for 0.
-fn away_from_reversals(rows: &RecordingRows, near_s: f64) -> Vec<Vec<bool>> {
-    if near_s <= 0.0 {
-        return rows.joints.iter().map(|joint| joint.counts.clone()).collect();
-    }
-    let reach = (near_s * rows.rate_hz).ceil() as usize;
-    let of_joint = |joint: &JointRows| {
-        let (velocity, counts) = (&joint.velocity_rad_s, &joint.counts);
-        let mut away = counts.clone();
-        for k in 0..counts.len() {
-            let reverses = k > 0 && velocity[k] * velocity[k - 1] <= 0.0;
-            if reverses || !counts[k] {
-                away[k.saturating_sub(reach)..(k + reach + 1).min(counts.len())].fill(false);
-            }
-        }
-        away
-    };
-    rows.joints.iter().map(of_joint).collect()
-}
-
-/// Products of the used columns with one another over the rows of a mask.
-fn masked(investigation: &Investigation, used: &[Vec<usize>], masks: &[Vec<Vec<bool>>]) -> [Vec<Moments>; 2] {
-    let mut moments = investigation.problem.total().clone();
-    for of_kind in &mut moments {
-        for (joint, sums) in of_kind.iter_mut().enumerate() {
-            sums.rows = 0.0;
-            for (k, l) in used[joint].iter().flat_map(|k| used[joint].iter().map(move |l| (*k, *l))) {
-                sums.gram[k * sums.columns + l] = 0.0;
-            }
-        }
-    }
-    for (r, start, end) in investigation.partition.fitted() {
-        let rows = &investigation.rows[r];
-        let kind = usize::from(rows.role == Role::Target);
-        for (joint, own) in rows.joints.iter().enumerate() {
-            let mask = &masks[r][joint][start..end];
-            let sums = &mut moments[kind][joint];
-            sums.rows += mask.iter().filter(|m| **m).count() as f64;
-            for (place, k) in used[joint].iter().enumerate() {
-                let column: Vec<f64> = own.column(*k)[start..end]
-                    .iter()
-                    .zip(mask)
-                    .map(|(value, moves)| if *moves { *value } else { 0.0 })
-                    .collect();
-                for l in &used[joint][..=place] {
-                    let product = dot(&column, &own.column(*l)[start..end]);
-                    sums.gram[k * sums.columns + l] += product;
-                    if k != l {
-                        sums.gram[l * sums.columns + k] += product;
-                    }
-                }
-            }
-        }
-    }
-    moments
-}
-
-/// Puts the products of the model's columns with the measurement of a later time into moments, over the rows of a mask.
+/// Puts the products of the model's columns with the measurement of a later time into moments.
 fn shift(
     question: &Question<'_>,
     investigation: &Investigation,
-    (used, masks): (&[Vec<usize>], &[Vec<Vec<bool>>]),
+    used: &[Vec<usize>],
     target_only: bool,
     delay_s: f64,
     moments: &mut [Vec<Moments>; 2],
@@ -377,7 +285,7 @@ fn shift(
             let y: Vec<f64> = own
                 .measurement
                 .iter()
-                .zip(&masks[r][joint])
+                .zip(&own.counts)
                 .zip(later)
                 .map(|((y, counts), change)| if *counts { y + change } else { 0.0 })
                 .collect();
@@ -391,12 +299,22 @@ fn shift(
     }
 }
 
-/// By how much the measurement of a joint differs some time after each row, over all segments.
+/// By how much the measurement of a joint differs some time after each row, over all segments. Samples that are left out are
+/// so before and after.
 fn later(segments: &[Segment], joint: usize, by_s: f64) -> Vec<f64> {
     let mut change = Vec::new();
     for segment in segments {
         let count = segment.rows();
         let by_rows = by_s * segment.rate_hz / segment.decimation as f64;
+        let left_out = segment.left_out.as_ref().is_some_and(|samples| samples[joint].contains(&true));
+        if let Some(raw) = segment.raw_measurement.as_ref().filter(|_| left_out && by_rows != 0.0) {
+            let mut changes: Vec<f64> =
+                shifted(&raw[joint], by_s * segment.rate_hz).iter().zip(&raw[joint]).map(|(l, n)| l - n).collect();
+            segment.silence(joint, 0, &mut changes);
+            let filtered = segment.parallel_filter.filter(&changes).unwrap_or(changes);
+            change.extend(segment.at_rows(&filtered));
+            continue;
+        }
         match &segment.measurement {
             Some(measurement) if by_rows != 0.0 => {
                 let y = &measurement[joint][..count];

@@ -35,7 +35,10 @@ pub(super) fn wrong_sign(
     let motion = segment.motion.view();
     let recorded = motion.velocity_rad_s(joint);
     let period_s = 1.0 / segment.rate_hz;
-    let counted = |at: usize| segment.row(at).and_then(|row| counts.get(row).copied()).unwrap_or(false);
+    let left_out = |at: usize| segment.left_out.as_ref().is_some_and(|samples| samples[joint][at]);
+    let counted = |at: usize| {
+        !left_out(at) && segment.row(at).and_then(|row| counts.get(row).copied()).unwrap_or(false)
+    };
     let mut mean = vec![0.0; recorded.len()];
     let mut stuck = vec![false; recorded.len()];
     let resolution = noise.velocity_resolution(joint);

@@ -348,6 +348,9 @@ fn instrument_rows(
             delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
         }
     }
+    for (column, values) in series.chunks_exact_mut(samples.max(1)).enumerate() {
+        segment.silence(column / EACH, 0, values);
+    }
     let mut bank = segment.bank(EACH * joints);
     let mut write = |tile: DecimatedTile<'_>| {
         for k in 0..EACH * joints {

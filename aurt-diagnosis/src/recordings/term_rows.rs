@@ -31,6 +31,9 @@ pub(crate) fn term_rows(
         let mut values = vec![0.0; own * columns * samples];
         let mut out = Columns::new(&mut values, own * columns, samples, samples);
         term.evaluate(&all, &mut state, &mut out)?;
+        for (k, column) in values.chunks_exact_mut(samples.max(1)).enumerate() {
+            segment.silence(term.joints(joints)[k / columns], 0, column);
+        }
         let mut bank = segment.bank(own * columns);
         let mut write = |tile: DecimatedTile<'_>| {
             tile.copy_to(series.iter_mut().flatten().map(|column| &mut column[first..]));

@@ -15,33 +15,96 @@ const RESTS: f64 = 3.0;
 /// at constant acceleration takes once as long, a velocity that touches zero as a parabola twice.
 const DWELLS: f64 = 2.0;
 
-/// A row does not count if more than this share of it comes from motion whose direction is not resolved. Dry friction is wrong
-/// there by at most twice its level, and other rows by at most this share of that.
-const MIXED: f64 = 0.02;
+/// A row does not count if more than this share of it is left out.
+const MIXED: f64 = 0.5;
+
+/// Cut-offs of the position filter are this share of the rate at most: above, differences are no derivatives.
+const HIGHEST: f64 = 0.2;
+
+/// From one cut-off that is tried to the next.
+const STEP: f64 = 1.1;
 
 /// Points of an integral over frequencies.
 const POINTS: usize = 256;
 
-/// The rows of each joint, `[joint][row]`, of which a good part is motion whose direction is not resolved.
+/// Leaves the samples of each joint whose direction is not resolved out of all rows; the rows, `[joint][row]`, of which little
+/// is left.
 ///
 /// # Errors
 /// What the filters report.
-pub(crate) fn unresolved(
+pub(crate) fn leave_out_unresolved(
     raw: &Recording,
-    data: &Preprocessed,
+    data: &mut Preprocessed,
     options: &PreprocessOptions,
 ) -> Result<Vec<Vec<bool>>, RecordingError> {
     let cutoff_hz = options.effective_position_cutoff_hz();
-    let of_joint = |(joint, position): (usize, &Vec<f64>)| {
-        let noise = PositionNoise::of(&raw.time_s, position);
-        let mut rows = Vec::new();
-        for segment in &data.segments {
-            let samples = samples(segment, joint, least_speed(&noise, segment, cutoff_hz)?)?;
-            rows.extend((0..segment.rows()).map(|row| samples[segment.sample(row)]));
+    let noise: Vec<PositionNoise> =
+        raw.position_rad.iter().map(|position| PositionNoise::of(&raw.time_s, position)).collect();
+    let mut rows = vec![Vec::new(); noise.len()];
+    for segment in &mut data.segments {
+        let of_joint = |(joint, noise): (usize, &PositionNoise)| {
+            samples(segment, joint, least_speed(noise, segment, cutoff_hz)?, cutoff_hz)
+        };
+        let left_out = noise.iter().enumerate().map(of_joint).collect::<Result<Vec<_>, _>>()?;
+        for (rows, left_out) in rows.iter_mut().zip(&left_out) {
+            let shares: Vec<f64> = left_out.iter().map(|out| f64::from(u8::from(*out))).collect();
+            let shares = segment.parallel_filter.filter(&shares)?;
+            rows.extend(segment.at_rows(&shares).iter().map(|share| *share > MIXED));
         }
-        Ok(rows)
-    };
-    raw.position_rad.iter().enumerate().map(of_joint).collect()
+        if left_out.iter().flatten().any(|out| *out) {
+            segment.leave_out(left_out)?;
+        }
+    }
+    Ok(rows)
+}
+
+/// The cut-off of the position filter at which least is lost around reversals, where none is asked for and it is not below
+/// that of `f_dyn_hz`.
+///
+/// The filter blurs a reversal over 1/f_c, and the velocity's noise hides its direction for 2 v(f_c)/|q̈|, with the least speed
+/// v that is seen and the acceleration of the joint's reversals. The sum of both over all reversals is smallest there. What a
+/// regressor is linear in loses nothing: the parallel filter takes the noise that the position filter leaves.
+///
+/// # Errors
+/// What the filters report.
+pub(crate) fn position_cutoff_hz(
+    raw: &Recording,
+    data: &Preprocessed,
+    options: &PreprocessOptions,
+) -> Result<Option<f64>, RecordingError> {
+    let Some(segment) = data.segments.iter().max_by_key(|s| s.motion.samples()) else { return Ok(None) };
+    let least_hz = options.effective_position_cutoff_hz();
+    let most_hz = HIGHEST * segment.rate_hz;
+    if options.position_cutoff_hz.is_some() || most_hz <= least_hz {
+        return Ok(None);
+    }
+    let joints: Vec<(PositionNoise, Vec<f64>)> = raw
+        .position_rad
+        .iter()
+        .enumerate()
+        .map(|(joint, position)| (PositionNoise::of(&raw.time_s, position), reversals(segment, joint)))
+        .collect();
+    let steps = (most_hz / least_hz).ln() / STEP.ln();
+    let mut best = (least_hz, f64::INFINITY);
+    for cutoff_hz in (0..=steps as usize).map(|k| least_hz * STEP.powi(k as i32)) {
+        let mut lost_s = 0.0;
+        for (noise, reversals) in &joints {
+            let least = least_speed(noise, segment, cutoff_hz)?;
+            lost_s += reversals.iter().map(|slope| 1.0 / cutoff_hz + 2.0 * least / slope).sum::<f64>();
+        }
+        if lost_s < best.1 {
+            best = (cutoff_hz, lost_s);
+        }
+    }
+    Ok((best.0 > least_hz).then_some(best.0))
+}
+
+/// The accelerations at which a joint reverses, rad/s².
+fn reversals(segment: &Segment, joint: usize) -> Vec<f64> {
+    let motion = segment.motion.view();
+    let (velocity, acceleration) = (motion.velocity_rad_s(joint), motion.acceleration_rad_s2(joint));
+    let reverses = |k: &usize| velocity[*k] * velocity[k - 1] < 0.0 && acceleration[*k] != 0.0;
+    (1..velocity.len()).filter(reverses).map(|k| acceleration[k].abs()).collect()
 }
 
 /// The least speed whose direction is seen, rad/s.
@@ -60,9 +123,10 @@ fn least_speed(noise: &PositionNoise, segment: &Segment, cutoff_hz: f64) -> Resu
     Ok((RESTS * variance.sqrt()).max(2.0 * cutoff_hz * noise.step_rad.unwrap_or(0.0)))
 }
 
-/// The samples of a segment's motion that the parallel filter mixes with those in which a joint dwells below a speed. A short
-/// stick shows in the velocity as it is, creeping on an encoder's lattice in that behind the parallel filter.
-fn samples(segment: &Segment, joint: usize, least: f64) -> Result<Vec<bool>, RecordingError> {
+/// The samples of a segment's motion at which a joint dwells below a speed. A short stick shows in the velocity as it is,
+/// creeping on an encoder's lattice in that behind the parallel filter. The position filter smooths over a period of its
+/// cutoff: what it shows between two dwells in less is its own ringing, and half of that beside a dwell is not as it was.
+fn samples(segment: &Segment, joint: usize, least: f64, cutoff_hz: f64) -> Result<Vec<bool>, RecordingError> {
     let motion = segment.motion.view();
     let velocity = motion.velocity_rad_s(joint);
     let mut dwells = vec![false; velocity.len()];
@@ -70,11 +134,20 @@ fn samples(segment: &Segment, joint: usize, least: f64) -> Result<Vec<bool>, Rec
         dwell(velocity, least, &mut dwells);
         dwell(&segment.parallel_filter.filter(velocity)?, least, &mut dwells);
     }
-    if !dwells.contains(&true) {
-        return Ok(dwells);
+    for k in 1..velocity.len() {
+        dwells[k] |= velocity[k].abs() < least || velocity[k] * velocity[k - 1] <= 0.0;
     }
-    let shares: Vec<f64> = dwells.iter().map(|dwells| f64::from(u8::from(*dwells))).collect();
-    Ok(segment.parallel_filter.filter(&shares)?.iter().map(|share| share.abs() > MIXED).collect())
+    let guard = (segment.rate_hz / cutoff_hz).ceil() as usize;
+    Ok(widened(&dwells, guard))
+}
+
+/// Marks with as many more on both sides.
+fn widened(marks: &[bool], by: usize) -> Vec<bool> {
+    let mut wide = vec![false; marks.len()];
+    for k in (0..marks.len()).filter(|k| marks[*k]) {
+        wide[k.saturating_sub(by)..(k + by + 1).min(marks.len())].fill(true);
+    }
+    wide
 }
 
 /// Marks where a velocity dwells below a speed.

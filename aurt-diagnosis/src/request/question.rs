@@ -7,7 +7,7 @@ use aurt_traits::{MeasurementUnit, RobotModel, RobotNames};
 use crate::error::DiagnosisError;
 use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
-use crate::recordings::unresolved::unresolved;
+use crate::recordings::unresolved::{leave_out_unresolved, position_cutoff_hz};
 use crate::request::SelectionOptions;
 use crate::vocabulary::Effect;
 
@@ -100,9 +100,34 @@ impl QuestionedRecording {
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
             repaired.replace(raw)?;
         }
-        let unresolved = unresolved(&repaired.raw, &repaired.data.data, &repaired.options)?;
+        if let Some(cutoff_hz) = position_cutoff_hz(&repaired.raw, &repaired.data.data, &repaired.options)? {
+            let options = PreprocessOptions { position_cutoff_hz: Some(cutoff_hz), ..repaired.options.clone() };
+            repaired.preprocessed_anew(options)?;
+        }
+        let unresolved = Vec::new();
         repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant, unresolved }));
+        repaired.leave_out_unresolved()?;
         Ok(repaired)
+    }
+
+    /// Preprocesses the recording again with other options.
+    ///
+    /// # Errors
+    /// What preprocessing reports.
+    pub(crate) fn preprocessed_anew(&mut self, options: PreprocessOptions) -> Result<(), RecordingError> {
+        let data = preprocess(&self.raw, &options)?;
+        self.data = Arc::new(NamedRecording { name: self.data.name.clone(), data });
+        self.options = options;
+        self.leave_out_unresolved()
+    }
+
+    /// Leaves out the samples of a repaired recording in which a direction is not resolved.
+    fn leave_out_unresolved(&mut self) -> Result<(), RecordingError> {
+        if let Some(spoilt) = &mut self.spoilt {
+            let data = &mut Arc::make_mut(&mut self.data).data;
+            spoilt.unresolved = leave_out_unresolved(&self.raw, data, &self.options)?;
+        }
+        Ok(())
     }
 
     /// Whether a joint's measurement contains a motion beside the chain.

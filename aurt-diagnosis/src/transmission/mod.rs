@@ -110,6 +110,9 @@ pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
 /// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.
 const MOST_GEARS: usize = 3;
 
+/// Rows for elasticity end here, Hz, also where positions are known beyond.
+const ELASTIC_TOP_HZ: f64 = 40.0;
+
 /// Rows for play end here, Hz: when a flank is struck depends on the cube root of the gap, how the link bounces on
 /// too much else. The missing torque and the impact as a whole lie below, the bouncing above.
 const PLAY_TOP_HZ: f64 = 12.0;
@@ -156,7 +159,7 @@ pub fn find_gears(
                 })
                 .collect::<Result<Vec<_>, DiagnosisError>>()
         };
-        let freed = [freed(f64::INFINITY)?, freed(PLAY_TOP_HZ)?];
+        let freed = [freed(ELASTIC_TOP_HZ)?, freed(PLAY_TOP_HZ)?];
         let open: Vec<usize> = (0..question.model.joints())
             .filter(|j| gears.found.iter().all(|g| !g.confirmed || g.joint != *j))
             .collect();

@@ -54,13 +54,16 @@ pub(crate) fn undone(
         };
         let Some(segment) = segments.iter_mut().find(same) else { continue };
         for gear in gears.iter().filter(|g| g.confirmed && g.present[usize::from(piece.target)]) {
-            let torque = torque(gear, &piece.full, &piece.gradients);
-            let filtered = segment.filtered(&torque)?;
+            let mut torque = torque(gear, &piece.full, &piece.gradients);
             if let Some(raw) = &mut segment.raw_measurement {
                 for (raw, torque) in raw.iter_mut().zip(&torque) {
                     raw.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
                 }
             }
+            for (joint, torque) in torque.iter_mut().enumerate() {
+                segment.silence(joint, 0, torque);
+            }
+            let filtered = segment.filtered(&torque)?;
             if let Some(measurement) = &mut segment.measurement {
                 for (rows, torque) in measurement.iter_mut().zip(&filtered) {
                     rows.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);

@@ -57,12 +57,24 @@ pub fn prove(
             progress(&Plan::case_name(index));
             Ok(())
         });
-    // What was too young for that when the next case was made.
+    clear_unfinished(place);
+    proved
+}
+
+/// Removes what killed runs left staged in the folders of a proof and of each case, of which some were killed after their
+/// verdict was in its place: such a case is skipped, so no diagnosis clears its folder.
+fn clear_unfinished(place: &Place) {
     let mut folders = vec![place.root().to_owned()];
     folders.extend(place.results());
     folders.extend(Variant::ALL.map(|v| place.variants().join(v.name())));
-    folders.iter().for_each(|folder| aurt_files::output::clear_unfinished(folder));
-    proved
+    let of_cases: Vec<PathBuf> = folders.iter().flat_map(|folder| entries(folder)).collect();
+    folders.iter().chain(&of_cases).for_each(|folder| aurt_files::output::clear_unfinished(folder));
+}
+
+/// What is in a folder; nothing if it cannot be read.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).map(|all| all.filter_map(Result::ok).map(|e| e.path()).collect());
+    entries.unwrap_or_default()
 }
 
 /// Whether a folder holds a verdict, or why there is none.
@@ -225,11 +237,6 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
 /// Folders that cannot be read.
 pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
     let mut found = BTreeMap::new();
-    let entries = |folder: &Path| -> Vec<PathBuf> {
-        fs::read_dir(folder)
-            .map(|all| all.filter_map(Result::ok).map(|e| e.path()).collect())
-            .unwrap_or_default()
-    };
     let stem = |path: &Path| path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let read =
         |path: &Path| fs::read_to_string(path).map_err(|source| Failure::write(path.to_owned(), source));

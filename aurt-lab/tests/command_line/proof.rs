@@ -49,11 +49,16 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     let so_far = lab(&folder, ["prove", "--so-far", "--out", "proof"]).succeeded();
     assert!(so_far.stdout().contains("5 of 6 cases"), "{}", so_far.stdout());
     assert!(!folder.path("proof/clean/verdicts/case_0001").exists());
-    // A killed proof leaves recordings of cases whose diagnosis ended after it, and half-made cases.
-    let left = ["cases/case_0002", ".aurt-killed.part"].map(|name| folder.path("proof/clean").join(name));
-    left.iter().for_each(|folder| std::fs::create_dir_all(folder).unwrap());
-    #[cfg(unix)]
-    std::fs::set_permissions(&left[1], std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+    // A killed proof leaves recordings of cases whose diagnosis ended after it, half-made cases, and claims of diagnoses
+    // that were killed when their verdict was in its place.
+    let left = ["cases/case_0002", ".aurt-killed.part", "verdicts/case_0002/.aurt-.part"]
+        .map(|name| folder.path("proof/clean").join(name));
+    for folder in &left {
+        std::fs::create_dir_all(folder).unwrap();
+        #[cfg(unix)]
+        std::fs::set_permissions(folder, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+    }
+    std::fs::write(left[2].join("lock"), "").unwrap();
     lab(&folder, prove.into_iter().chain(["proof"])).succeeded();
     assert_eq!(folder.read("proof/scoreboard.md"), text);
     assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), written);

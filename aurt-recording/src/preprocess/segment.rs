@@ -34,6 +34,8 @@ pub struct Segment {
     pub parallel_filter: ZeroPhase,
     /// The rows that count among all that the parallel filter gives over the motion; see [`Self::sample`].
     pub kept_rows: Range<usize>,
+    /// The samples of each joint that are [left out](Self::leave_out), `[joint][sample]`.
+    pub left_out: Option<Vec<Vec<bool>>>,
 }
 
 impl Segment {
@@ -68,6 +70,30 @@ impl Segment {
     /// As [`ZeroPhase::filter_all`].
     pub fn filtered<S: AsRef<[f64]>>(&self, series: &[S]) -> Result<Vec<Vec<f64>>, RecordingError> {
         Ok(self.parallel_filter.filter_all(series)?.iter().map(|s| self.at_rows(s)).collect())
+    }
+
+    /// Leaves samples of joints, `[joint][sample]`, out of the rows: of the measurement here, and of columns by
+    /// [`Self::silence`].
+    ///
+    /// Measurement and columns are zero there before they are filtered. A row is a sum over samples; what holds for each of
+    /// those that are left holds for their sum, whatever the others are. A row that leaves them out after the filter would be
+    /// one without a good part of its neighbours, too.
+    ///
+    /// # Errors
+    /// As [`ZeroPhase::filter_all`].
+    pub fn leave_out(&mut self, samples: Vec<Vec<bool>>) -> Result<(), RecordingError> {
+        self.left_out = Some(samples);
+        let Some(mut raw) = self.raw_measurement.clone() else { return Ok(()) };
+        (0..raw.len()).for_each(|joint| self.silence(joint, 0, &mut raw[joint]));
+        self.measurement = Some(self.filtered(&raw)?);
+        Ok(())
+    }
+
+    /// Sets a part of a joint's series, which begins at the sample `first`, to zero where samples are left out.
+    pub fn silence(&self, joint: usize, first: usize, series: &mut [f64]) {
+        let Some(left_out) = &self.left_out else { return };
+        let of_joint = left_out[joint][first..].iter();
+        series.iter_mut().zip(of_joint).filter(|(_, out)| **out).for_each(|(value, _)| *value = 0.0);
     }
 
     /// The parallel filter for columns over the motion that are still being made; it hands out the rows.
@@ -204,6 +230,7 @@ impl Plan<'_> {
             decimation: self.decimation,
             parallel_filter: self.parallel_filter.clone(),
             kept_rows: span.kept_rows(),
+            left_out: None,
         };
         Ok(Ok((segment, span.reported(data.time_s[0] - recording.time_s[0], self.rate_hz))))
     }
