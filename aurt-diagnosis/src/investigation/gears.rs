@@ -1,8 +1,14 @@
 //! Gears, and the fit of the model without what they do to the measurement.
 
+use std::sync::Arc;
+
+use aurt_calibration::for_each_tile;
+use aurt_recording::Segment;
+
 use crate::error::DiagnosisError;
-use crate::evidence::baseline::{Baseline, partition};
+use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
+use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, undone};
@@ -28,21 +34,25 @@ pub struct BeforeGears {
 /// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns.
 const TURNS: usize = 2;
 
-/// Looks for gears in what a model leaves, and fits the model again without their torque; `of_all` says whether it is to be
-/// fitted to all recordings.
+/// Looks for gears in what a model leaves, on some joints or on all, and fits the model again without their torque; `of_all`
+/// says whether it is to be fitted to all recordings.
 pub(super) fn without_gears(
     question: &Question<'_>,
     original: Judged,
     of_all: bool,
+    joints: Option<&[usize]>,
 ) -> Result<WithoutGears, DiagnosisError> {
     let mut gears = Gears::default();
     let mut freed: Option<(Vec<QuestionedRecording>, Judged)> = None;
-    for turn in 0..TURNS {
+    let turns = if joints.is_some_and(<[usize]>::is_empty) { 0 } else { TURNS };
+    for turn in 0..turns {
         let Judged { baseline, .. } = freed.as_ref().map_or(&original, |(_, refitted)| refitted);
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
         let columns = question.model.base().columns.iter().copied();
         let inertial: Vec<(usize, f64)> = columns.zip(baseline.coefficients.iter().copied()).collect();
-        let found = find_gears(question, &fit, &inertial)?;
+        let mut found = find_gears(question, &fit, &inertial)?;
+        let is_asked = |gear: &Shaking| joints.is_none_or(|joints| joints.contains(&gear.joint));
+        found.found.iter_mut().filter(|g| g.confirmed && !is_asked(g)).for_each(Shaking::made_superfluous);
         let confirmed = found.found.iter().any(|g| g.confirmed);
         if turn == 0 || confirmed {
             gears = found;
@@ -62,6 +72,69 @@ pub(super) fn without_gears(
         }
         None => WithoutGears { judged: original, gears, recordings: None, before: None },
     })
+}
+
+/// The joints among `alone` whose gears show as well beside what was found without any gear. A load that the model lacks has
+/// torque at all frequencies, and simulated links follow a part of it: what such a gear explains, the load explains better.
+///
+/// # Errors
+/// What models and filters report.
+pub(super) fn found_beside(
+    question: &Question<'_>,
+    found: &Investigation,
+    alone: &[usize],
+) -> Result<Vec<usize>, DiagnosisError> {
+    let fitted = Fitted::new(found, found.switches());
+    let own = fitted.own(&found.baseline.coefficients, &found.base_switches);
+    let recordings = without_claims(question, found, &fitted)?;
+    let question = &Question { recordings: &recordings, ..*question };
+    let fit = Fit { model: question.model, load: &found.baseline.load, coefficients: &own };
+    let columns = question.model.base().columns.iter().copied();
+    let inertial: Vec<(usize, f64)> = columns.zip(own.iter().copied()).collect();
+    let beside = find_gears(question, &fit, &inertial)?.found;
+    let shows = |joint: &&usize| beside.iter().any(|gear| gear.confirmed && gear.joint == **joint);
+    Ok(alone.iter().filter(shows).copied().collect())
+}
+
+/// The recordings without the torque of what was found, unfiltered.
+fn without_claims(
+    question: &Question<'_>,
+    found: &Investigation,
+    fitted: &Fitted,
+) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
+    let (model, load) = (&found.model, extended_load(&found.baseline, question.model, &found.model));
+    let chosen = found.selection.chosen.iter().map(|c| &found.groups[c.group]);
+    let columns: Vec<usize> = chosen.flat_map(|g| &found.candidates[g.candidate].columns).copied().collect();
+    let mut recordings = question.recordings.to_vec();
+    for recording in &mut recordings {
+        let in_targets = recording.role != Role::Calibration;
+        let coefficient = |column: usize| -> f64 {
+            let both = [Some(false), in_targets.then_some(true)].into_iter().flatten();
+            let places = both.filter_map(|target_only| fitted.place(column, target_only));
+            if columns.contains(&column) { places.map(|k| fitted.fit.coefficients[k]).sum() } else { 0.0 }
+        };
+        let coefficients: Vec<f64> = (0..model.parameters().len()).map(coefficient).collect();
+        if coefficients.iter().all(|c| *c == 0.0) {
+            continue;
+        }
+        for segment in &mut Arc::make_mut(&mut recording.data).data.segments {
+            let Segment { raw_measurement: Some(raw), .. } = segment else { continue };
+            let mut left = std::mem::take(raw);
+            for_each_tile(model, segment, &load, |start, tile| {
+                for (joint, left) in left.iter_mut().enumerate() {
+                    for (slot, column) in model.row_slots(joint).zip(model.row_columns(joint)) {
+                        let coefficient = coefficients[*column];
+                        if coefficient != 0.0 {
+                            let values = left[start..].iter_mut().zip(tile.slot(slot));
+                            values.for_each(|(y, value)| *y -= coefficient * value);
+                        }
+                    }
+                }
+            })?;
+            segment.raw_measurement = Some(left);
+        }
+    }
+    Ok(recordings)
 }
 
 /// The recordings without the torque of the confirmed gears, and the model fitted to them; none where no gear stays confirmed.

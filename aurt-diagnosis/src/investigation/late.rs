@@ -12,7 +12,7 @@ use crate::evidence::gram::{Moments, dot};
 use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
-use crate::recordings::rows::{Instrument, JointRows, RecordingRows, Role};
+use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::vocabulary::{Addition, Kind};
 

@@ -48,7 +48,7 @@ use crate::request::{Question, QuestionedRecording, length};
 use crate::search::selection::Selection;
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
-use gears::without_gears;
+use gears::{found_beside, without_gears};
 use selecting::{Parts, Selected};
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
@@ -206,10 +206,43 @@ fn apart(body: &dyn RigidBodyRegressor) -> Vec<[usize; 2]> {
     pairs.filter(|[j, k]| !together(*j, *k)).collect()
 }
 
-/// Investigates recordings as they are.
+/// Investigates recordings as they are. Gears are looked for before anything else, since what they do looks like many an
+/// effect; those that what is found without them makes superfluous are none.
 fn investigate_as_it_is(
     question: &Question<'_>,
     registry: &Registry,
+    progress: &mut impl FnMut(&str),
+) -> Result<Examination, DiagnosisError> {
+    let mut first = investigate_with_gears(question, registry, None, progress)?;
+    let confirmed = |shaking: &[Shaking]| -> Vec<usize> {
+        shaking.iter().filter(|s| s.confirmed).map(|s| s.joint).collect()
+    };
+    let alone = confirmed(&first.investigation.shaking);
+    if alone.is_empty() {
+        return Ok(first);
+    }
+    let mut rigid = investigate_with_gears(question, registry, Some(&[]), progress)?;
+    progress("simulating links beside what was found");
+    let rigid_question = Question { recordings: &rigid.recordings, ..*question };
+    let both = found_beside(&rigid_question, &rigid.investigation, &alone)?;
+    if both.len() == alone.len() {
+        return Ok(first);
+    }
+    if !both.is_empty() {
+        return investigate_with_gears(question, registry, Some(&both), progress);
+    }
+    let shaking = &mut first.investigation.shaking;
+    shaking.iter_mut().filter(|s| s.confirmed).for_each(Shaking::made_superfluous);
+    rigid.investigation.shaking = std::mem::take(shaking);
+    rigid.investigation.gears_visible = std::mem::take(&mut first.investigation.gears_visible);
+    Ok(rigid)
+}
+
+/// Investigates recordings beside the gears that show in what the model in question leaves, of some joints or of all.
+fn investigate_with_gears(
+    question: &Question<'_>,
+    registry: &Registry,
+    joints: Option<&[usize]>,
     progress: &mut impl FnMut(&str),
 ) -> Result<Examination, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
@@ -242,7 +275,7 @@ fn investigate_as_it_is(
         judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
     progress("simulating links on their gears");
-    let gears = without_gears(question, judged, undetermined)?;
+    let gears = without_gears(question, judged, undetermined, joints)?;
     let freed =
         Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
     let question = &freed;

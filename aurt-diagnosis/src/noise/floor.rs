@@ -1,20 +1,17 @@
 //! The noise floor: the residual that a right model would leave, from what is known of the noise.
 
-use aurt_recording::Preprocessed;
+use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::RobotNames;
 
-use super::sign::wrong_sign;
 use super::spectrum::RecordingNoise;
 use crate::error::DiagnosisError;
 use crate::recordings::rows::RecordingRows;
 
-/// A floor that exceeds the residual by this factor (mean square) is wrong beyond chance: the few reversals whose sign
-/// noise decides scatter by about as much as they are expected to bring.
+/// A floor that exceeds the residual by this factor (mean square) is wrong beyond chance.
 pub(super) const CONTRADICTION: f64 = 2.0;
 
 /// Mean square of each joint's residual that noise alone would leave in the rows that count: the noise's spectrum behind
-/// the parallel filter, integrated (decimation folds it and keeps its power), and the dry friction whose sign noise
-/// decides.
+/// the parallel filter, integrated (decimation folds it and keeps its power), of the samples that are not left out.
 ///
 /// # Errors
 /// What the filters report.
@@ -32,8 +29,7 @@ pub fn noise_floor(
                 let end = (first + segment.rows()).min(counts.len());
                 let counted = rows.joints[j].counted(first, end);
                 if counted > 0.0 {
-                    sum += counted * noise.power_left(j, segment)?
-                        + wrong_sign(noise, segment, j, &counts[first..end])?;
+                    sum += noise.power_left(j, segment)? * kept(segment, j, &counts[first..end])?;
                 }
                 all += counted;
                 first = end;
@@ -41,6 +37,16 @@ pub fn noise_floor(
             Ok(sum / f64::max(all, 1.0))
         })
         .collect()
+}
+
+/// Sum over the rows that count of the share of each that comes from samples of a joint that are not left out.
+fn kept(segment: &Segment, joint: usize, counts: &[bool]) -> Result<f64, DiagnosisError> {
+    let Some(left_out) = &segment.left_out else {
+        return Ok(counts.iter().filter(|counts| **counts).count() as f64);
+    };
+    let shares: Vec<f64> = left_out[joint].iter().map(|out| f64::from(u8::from(!out))).collect();
+    let shares = segment.at_rows(&segment.parallel_filter.filter(&shares)?);
+    Ok(shares.iter().zip(counts).filter(|(_, counts)| **counts).map(|(share, _)| share.clamp(0.0, 1.0)).sum())
 }
 
 /// Lowers floors to the mean square of what a model leaves, which noise is part of, and says of which joints they

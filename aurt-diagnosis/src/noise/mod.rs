@@ -10,7 +10,5 @@ pub mod inertia;
 pub(crate) mod instrument;
 mod residual;
 mod sensitivity;
-mod sign;
 pub mod spectrum;
-mod sticks;
 pub mod whitening;

@@ -11,7 +11,7 @@ use crate::recordings::rows::Fit;
 const SAMPLES: usize = 256;
 /// Steps of the central differences, rad, rad/s and rad/s²: small beside any motion, large beside rounding.
 const STEPS: [f64; 3] = [1e-5, 1e-4, 1e-2];
-/// A joint slower than this shows the step of its dry friction, not its slope, rad/s; see [`super::sign`].
+/// A joint slower than this shows the step of its dry friction, not its slope, rad/s.
 const SLOW_RAD_S: f64 = 0.01;
 
 /// Mean squares, along a segment, of the derivatives of one joint's torque by the motion of another (or the same).
@@ -27,15 +27,11 @@ pub(super) struct Slopes {
     pub(super) cross: f64,
 }
 
-/// Slopes and steps of a fitted model along a segment.
+/// Slopes of a fitted model along a segment.
 #[derive(Debug, Clone)]
 pub(super) struct Sensitivity {
     /// `[joint j][moving joint k]`.
     pub(super) slopes: Vec<Vec<Slopes>>,
-    /// Half of the step of joint j's torque where its velocity changes sign, `[joint][place]`.
-    step: Vec<Vec<f64>>,
-    /// Motion samples per place.
-    stride: usize,
 }
 
 impl Sensitivity {
@@ -80,14 +76,7 @@ impl Sensitivity {
                 };
             }
         }
-        let step = places.steps(fit)?;
-        Ok(Self { slopes, step, stride })
-    }
-
-    /// Half of the step of a joint's torque at a reversal, at a sample of the motion.
-    pub(super) fn step_at(&self, joint: usize, sample: usize) -> f64 {
-        let series = &self.step[joint];
-        series.get((sample / self.stride).min(series.len().saturating_sub(1))).copied().unwrap_or(0.0)
+        Ok(Self { slopes })
     }
 }
 
@@ -125,22 +114,5 @@ impl Places {
         let mut out = vec![0.0; self.joints * samples];
         predict_tile(fit.model, &tile, fit.coefficients, samples, &mut out);
         Ok(out)
-    }
-
-    /// Half of what each joint's torque steps by where all velocities change sign.
-    fn steps(&self, fit: &Fit<'_>) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-        let n = self.time_s.len();
-        let [forward, backward] = [1e-6, -1e-6].map(|velocity| {
-            let mut creeping = self.clone();
-            creeping.series[1].fill(velocity);
-            creeping.predicted(fit)
-        });
-        let (forward, backward) = (forward?, backward?);
-        Ok((0..self.joints)
-            .map(|j| {
-                let span = j * n..(j + 1) * n;
-                forward[span.clone()].iter().zip(&backward[span]).map(|(a, b)| 0.5 * (a - b).abs()).collect()
-            })
-            .collect())
     }
 }

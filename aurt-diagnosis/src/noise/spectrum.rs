@@ -240,30 +240,6 @@ impl SegmentNoise {
         let white = folded(frequency_hz, segment, |f| segment.parallel_filter.gain(f).powi(2));
         self.row_psd(joint, segment, frequency_hz) / white.max(f64::MIN_POSITIVE)
     }
-
-    /// Variance of the white noise in a joint's velocity, (rad/s)², and the share of it that a filter lets through.
-    pub(super) fn velocity_noise(&self, joint: usize, filter: &ZeroPhase) -> (f64, f64) {
-        let variance = self.velocity_variance(joint, self.positions[joint].white_rad, |_| 1.0);
-        let passed =
-            self.velocity_variance(joint, self.positions[joint].white_rad, |f| filter.gain(f).powi(2));
-        (variance, if variance > 0.0 { passed / variance } else { 0.0 })
-    }
-
-    /// Standard deviation of a joint's velocity while it stands, the encoder's step taken for noise, rad/s.
-    pub(super) fn velocity_resolution(&self, joint: usize) -> f64 {
-        let noise = &self.positions[joint];
-        let step = noise.step_rad.unwrap_or(0.0);
-        let position = (noise.white_rad * noise.white_rad + step * step / 12.0).sqrt();
-        self.velocity_variance(joint, position, |_| 1.0).sqrt()
-    }
-
-    /// Variance of the velocity of a joint whose position has white noise, passed on by a share of its power.
-    fn velocity_variance(&self, joint: usize, white_rad: f64, passed: impl Fn(f64) -> f64) -> f64 {
-        let white = 2.0 * white_rad * white_rad / self.positions[joint].rate_hz.min(self.rate_hz);
-        integral(0.0, 0.5 * self.rate_hz, |f| {
-            white * (self.position_filter.gain(f) * velocity_gain(f, self.rate_hz)).powi(2) * passed(f)
-        })
-    }
 }
 
 /// Σ over all frequencies up to half the sampling rate that decimation folds onto one.

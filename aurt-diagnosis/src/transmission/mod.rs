@@ -282,6 +282,12 @@ fn changed(all: Option<Found>, targets: Option<Found>) -> Option<Found> {
 }
 
 impl Shaking {
+    /// What was found without it explains what it would.
+    pub(crate) fn made_superfluous(&mut self) {
+        self.confirmed = false;
+        self.fails.push("beside what else was found, the recordings do not show it".to_owned());
+    }
+
     fn new(found: Found, kinds: [bool; 2]) -> Self {
         let play = found.shape.half_gap_rad > 0.0;
         let (amplitude, std) = (found.amplitude, found.amplitude_std);
