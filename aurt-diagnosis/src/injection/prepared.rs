@@ -126,8 +126,8 @@ impl<'a> Prepared<'a> {
         let options = PreprocessOptions { offsets: None, ..seen.options.clone() };
         let mut data = preprocess(repaired.as_ref().unwrap_or(&added), &options)?;
         for (segment, of_seen) in data.segments.iter_mut().zip(&seen.data.data.segments) {
-            if let Some(left_out) = &of_seen.left_out {
-                segment.leave_out(left_out.clone())?;
+            if of_seen.left_out.is_some() {
+                segment.leave_out(of_seen.left_out.clone())?;
             }
         }
         let mut rows = vec![Vec::new(); self.question.model.joints()];

@@ -8,7 +8,7 @@ use aurt_recording::Segment;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
-use crate::investigation::{Fitted, Investigation};
+use crate::investigation::{Fitted, Investigation, earn};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, undone};
@@ -80,6 +80,19 @@ pub(super) fn without_gears(
 /// # Errors
 /// What models and filters report.
 pub(super) fn found_beside(
+    question: &Question<'_>,
+    found: &mut Investigation,
+    alone: &[usize],
+) -> Result<Vec<usize>, DiagnosisError> {
+    // What fails a test has no torque; the tests are made again when all is found.
+    let selected = (found.selection.clone(), found.stability.clone(), found.indicated.clone());
+    earn(question, found)?;
+    let joints = found_beside_claims(question, found, alone);
+    (found.selection, found.stability, found.indicated) = selected;
+    joints
+}
+
+fn found_beside_claims(
     question: &Question<'_>,
     found: &Investigation,
     alone: &[usize],

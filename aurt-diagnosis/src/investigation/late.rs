@@ -81,8 +81,11 @@ impl Delay {
     ) -> Result<Option<Self>, DiagnosisError> {
         let problem = &investigation.problem;
         // Rows are of repaired recordings.
-        let recordings =
-            question.recordings.iter().map(|r| r.repaired(question.without)).collect::<Result<Vec<_>, _>>()?;
+        let recordings = question
+            .recordings
+            .iter()
+            .map(|r| r.repaired(question.without))
+            .collect::<Result<Vec<_>, _>>()?;
         let question = &Question { recordings: &recordings, ..*question };
         let scan = |target_only| Scan::new(question, investigation, target_only).delay();
         let in_all = problem.has_reference() || !problem.has_target();
@@ -308,8 +311,11 @@ fn later(segments: &[Segment], joint: usize, by_s: f64) -> Vec<f64> {
         let by_rows = by_s * segment.rate_hz / segment.decimation as f64;
         let left_out = segment.left_out.as_ref().is_some_and(|samples| samples[joint].contains(&true));
         if let Some(raw) = segment.raw_measurement.as_ref().filter(|_| left_out && by_rows != 0.0) {
-            let mut changes: Vec<f64> =
-                shifted(&raw[joint], by_s * segment.rate_hz).iter().zip(&raw[joint]).map(|(l, n)| l - n).collect();
+            let mut changes: Vec<f64> = shifted(&raw[joint], by_s * segment.rate_hz)
+                .iter()
+                .zip(&raw[joint])
+                .map(|(l, n)| l - n)
+                .collect();
             segment.silence(joint, 0, &mut changes);
             let filtered = segment.parallel_filter.filter(&changes).unwrap_or(changes);
             change.extend(segment.at_rows(&filtered));

@@ -224,7 +224,7 @@ fn investigate_as_it_is(
     let mut rigid = investigate_with_gears(question, registry, Some(&[]), progress)?;
     progress("simulating links beside what was found");
     let rigid_question = Question { recordings: &rigid.recordings, ..*question };
-    let both = found_beside(&rigid_question, &rigid.investigation, &alone)?;
+    let both = found_beside(&rigid_question, &mut rigid.investigation, &alone)?;
     if both.len() == alone.len() {
         return Ok(first);
     }

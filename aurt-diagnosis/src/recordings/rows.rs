@@ -175,7 +175,11 @@ impl RecordingRows {
         if !(0..count).any(|k| stands.iter().all(|joint| joint[k])) {
             return Ok(None);
         }
-        let mut rows = Self::evaluate_columns(name, role, data, (model, load), Some(baseline), wanted)?;
+        let mut whole = data.clone();
+        for segment in whole.segments.iter_mut().filter(|s| s.left_out.is_some()) {
+            segment.leave_out(None)?;
+        }
+        let mut rows = Self::evaluate_columns(name, role, &whole, (model, load), Some(baseline), wanted)?;
         for (joint, stands) in rows.joints.iter_mut().zip(stands) {
             joint.counts = stands;
         }

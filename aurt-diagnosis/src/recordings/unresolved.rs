@@ -1,7 +1,11 @@
 //! Where the direction of a joint's motion is not resolved.
 //!
 //! Dry friction follows sgn q̇. Where a joint sticks, or creeps more slowly than its encoder resolves, the computed sign is
-//! that of noise, while friction is whatever holds the joint: the error of the model there is no missing physics.
+//! that of noise, while friction is whatever holds the joint: the error of the model there is no missing physics. A stick that
+//! is shorter than the position filter resolves looks like a reversal, so all reversals count as such.
+//!
+//! These samples are left out of measurement and regressor before both are filtered. Behind the filter each of them would be in
+//! all rows within the filter's memory, and how many these are would depend on `f_dyn_hz`.
 
 use aurt_recording::{
     PositionNoise, PreprocessOptions, Preprocessed, Recording, RecordingError, Segment, ZeroPhase,
@@ -10,10 +14,6 @@ use aurt_recording::{
 
 /// Deviations of the velocity's noise within which a joint may stand.
 const RESTS: f64 = 3.0;
-
-/// A joint dwells at low speed if it takes this many times as long as the slopes at both ends need to pass through. A reversal
-/// at constant acceleration takes once as long, a velocity that touches zero as a parabola twice.
-const DWELLS: f64 = 2.0;
 
 /// A row does not count if more than this share of it is left out.
 const MIXED: f64 = 0.5;
@@ -43,16 +43,17 @@ pub(crate) fn leave_out_unresolved(
     let mut rows = vec![Vec::new(); noise.len()];
     for segment in &mut data.segments {
         let of_joint = |(joint, noise): (usize, &PositionNoise)| {
-            samples(segment, joint, least_speed(noise, segment, cutoff_hz)?, cutoff_hz)
+            let velocity = segment.motion.view().velocity_rad_s(joint);
+            Ok(samples(velocity, least_speed(noise, segment, cutoff_hz)?, segment.rate_hz, cutoff_hz))
         };
-        let left_out = noise.iter().enumerate().map(of_joint).collect::<Result<Vec<_>, _>>()?;
+        let left_out = noise.iter().enumerate().map(of_joint).collect::<Result<Vec<_>, RecordingError>>()?;
         for (rows, left_out) in rows.iter_mut().zip(&left_out) {
             let shares: Vec<f64> = left_out.iter().map(|out| f64::from(u8::from(*out))).collect();
             let shares = segment.parallel_filter.filter(&shares)?;
             rows.extend(segment.at_rows(&shares).iter().map(|share| *share > MIXED));
         }
         if left_out.iter().flatten().any(|out| *out) {
-            segment.leave_out(left_out)?;
+            segment.leave_out(Some(left_out))?;
         }
     }
     Ok(rows)
@@ -61,7 +62,7 @@ pub(crate) fn leave_out_unresolved(
 /// The cut-off of the position filter at which least is lost around reversals, where none is asked for and it is not below
 /// that of `f_dyn_hz`.
 ///
-/// The filter blurs a reversal over 1/f_c, and the velocity's noise hides its direction for 2 v(f_c)/|q̈|, with the least speed
+/// The filter blurs a reversal over 1/f_c to both sides, and the velocity's noise hides its direction for 2 v(f_c)/|q̈|, with the least speed
 /// v that is seen and the acceleration of the joint's reversals. The sum of both over all reversals is smallest there. What a
 /// regressor is linear in loses nothing: the parallel filter takes the noise that the position filter leaves.
 ///
@@ -90,7 +91,7 @@ pub(crate) fn position_cutoff_hz(
         let mut lost_s = 0.0;
         for (noise, reversals) in &joints {
             let least = least_speed(noise, segment, cutoff_hz)?;
-            lost_s += reversals.iter().map(|slope| 1.0 / cutoff_hz + 2.0 * least / slope).sum::<f64>();
+            lost_s += reversals.iter().map(|slope| 2.0 * (1.0 / cutoff_hz + least / slope)).sum::<f64>();
         }
         if lost_s < best.1 {
             best = (cutoff_hz, lost_s);
@@ -123,53 +124,19 @@ fn least_speed(noise: &PositionNoise, segment: &Segment, cutoff_hz: f64) -> Resu
     Ok((RESTS * variance.sqrt()).max(2.0 * cutoff_hz * noise.step_rad.unwrap_or(0.0)))
 }
 
-/// The samples of a segment's motion at which a joint dwells below a speed. A short stick shows in the velocity as it is,
-/// creeping on an encoder's lattice in that behind the parallel filter. The position filter smooths over a period of its
-/// cutoff: what it shows between two dwells in less is its own ringing, and half of that beside a dwell is not as it was.
-fn samples(segment: &Segment, joint: usize, least: f64, cutoff_hz: f64) -> Result<Vec<bool>, RecordingError> {
-    let motion = segment.motion.view();
-    let velocity = motion.velocity_rad_s(joint);
-    let mut dwells = vec![false; velocity.len()];
-    if least > 0.0 {
-        dwell(velocity, least, &mut dwells);
-        dwell(&segment.parallel_filter.filter(velocity)?, least, &mut dwells);
-    }
-    for k in 1..velocity.len() {
-        dwells[k] |= velocity[k].abs() < least || velocity[k] * velocity[k - 1] <= 0.0;
-    }
-    let guard = (segment.rate_hz / cutoff_hz).ceil() as usize;
-    Ok(widened(&dwells, guard))
-}
-
-/// Marks with as many more on both sides.
-fn widened(marks: &[bool], by: usize) -> Vec<bool> {
-    let mut wide = vec![false; marks.len()];
-    for k in (0..marks.len()).filter(|k| marks[*k]) {
-        wide[k.saturating_sub(by)..(k + by + 1).min(marks.len())].fill(true);
-    }
-    wide
-}
-
-/// Marks where a velocity dwells below a speed.
-fn dwell(velocity: &[f64], least: f64, marks: &mut [bool]) {
-    let passing = |k: usize| {
-        let (from, to) = (k.saturating_sub(1), (k + 1).min(velocity.len() - 1));
-        let slope = (velocity[to] - velocity[from]) / (to - from) as f64;
-        least / slope.abs().max(f64::MIN_POSITIVE)
-    };
-    let mut k = 0;
-    while k < velocity.len() {
-        let slow = velocity[k..].iter().take_while(|v| v.abs() < least).count();
-        if slow > 1 {
-            // A recording that begins or ends at rest passes through no speed there.
-            let ends = [(k, 0), (k + slow, velocity.len())];
-            let inner = ends.iter().zip([k, k + slow - 1]).filter(|((end, edge), _)| end != edge);
-            if slow as f64 > DWELLS * inner.map(|(_, at)| passing(at)).sum::<f64>() {
-                marks[k..k + slow].fill(true);
-            }
+/// The samples of a segment's motion in which a joint is slower than `least` or reverses, and those that the position filter
+/// mixes with them: over 1/f_c to both sides, a speed is not what it was. A joint that creeps on an encoder's lattice stands
+/// between the steps, so its steps are among them.
+fn samples(velocity: &[f64], least: f64, rate_hz: f64, cutoff_hz: f64) -> Vec<bool> {
+    let reach = (rate_hz / cutoff_hz).ceil() as usize;
+    let mut unresolved = vec![false; velocity.len()];
+    for k in 0..velocity.len() {
+        let reverses = k > 0 && velocity[k] * velocity[k - 1] <= 0.0;
+        if reverses || velocity[k].abs() < least {
+            unresolved[k.saturating_sub(reach)..(k + reach + 1).min(velocity.len())].fill(true);
         }
-        k += slow.max(1);
     }
+    unresolved
 }
 
 #[cfg(test)]
@@ -177,31 +144,33 @@ mod tests {
     use super::*;
 
     const RATE_HZ: f64 = 500.0;
+    const CUTOFF_HZ: f64 = 50.0;
 
-    fn marked(velocity: impl Fn(f64) -> f64) -> Vec<usize> {
+    fn unresolved(velocity: impl Fn(f64) -> f64) -> Vec<usize> {
         let velocity: Vec<f64> = (0..1000).map(|k| velocity(k as f64 / RATE_HZ - 1.0)).collect();
-        let mut marks = vec![false; velocity.len()];
-        dwell(&velocity, 0.02, &mut marks);
+        let marks = samples(&velocity, 0.02, RATE_HZ, CUTOFF_HZ);
         (0..marks.len()).filter(|k| marks[*k]).collect()
     }
 
     #[test]
-    fn a_joint_that_turns_at_once_does_not_dwell() {
-        assert!(marked(|t| 0.5 * t).is_empty());
-        assert!(marked(|t| -libm::sin(7.0 * t)).is_empty());
+    fn a_reversal_costs_what_the_filter_blurs() {
+        // Slower than 0.02 rad/s for ± 10 ms, and ten samples of the filter on both sides.
+        let around = unresolved(|t| 2.0 * t);
+        assert_eq!((around[0], around.len()), (500 - 14, 29));
+        assert!(unresolved(|t| 0.05 + t.abs()).is_empty());
     }
 
     #[test]
-    fn a_joint_that_sticks_or_creeps_dwells() {
-        let stuck = marked(|t| if t.abs() < 0.1 { 0.0 } else { 2.0 * (t - t.signum() * 0.1) });
-        assert!(stuck.len() >= 100 && stuck.len() <= 114, "{}", stuck.len());
-        let creeps = marked(|t| if t.abs() < 0.2 { 0.01 * (90.0 * t).sin() } else { 2.0 * (t.abs() - 0.2) });
-        assert!(creeps.len() >= 195 && creeps.len() <= 215, "{}", creeps.len());
+    fn a_joint_that_sticks_is_left_out_as_long_as_it_does() {
+        let stuck = unresolved(|t| if t.abs() < 0.1 { 0.0 } else { 2.0 * (t - t.signum() * 0.1) });
+        assert!((119..=131).contains(&stuck.len()), "{}", stuck.len());
     }
 
     #[test]
-    fn a_joint_that_still_rests_where_a_recording_begins_dwells() {
-        assert_eq!(marked(|t| 2.0 * (t + 0.8).max(0.0)), (0..105).collect::<Vec<_>>());
-        assert!(marked(|t| 0.5 * (t + 0.99)).is_empty());
+    fn steps_of_an_encoder_between_which_a_joint_stands_are_left_out() {
+        // Pulses of 0.1 rad/s that last for 10 ms, every 40 ms.
+        let creeps = |t: f64| if (t + 1.0).rem_euclid(0.04) < 0.01 { 0.1 } else { 0.0 };
+        let marks = unresolved(|t| if t.abs() < 0.2 { creeps(t) } else { t.abs() });
+        assert_eq!(marks.len(), (400.0 * RATE_HZ / 1000.0) as usize + 20, "{marks:?}");
     }
 }

@@ -101,7 +101,8 @@ impl QuestionedRecording {
             repaired.replace(raw)?;
         }
         if let Some(cutoff_hz) = position_cutoff_hz(&repaired.raw, &repaired.data.data, &repaired.options)? {
-            let options = PreprocessOptions { position_cutoff_hz: Some(cutoff_hz), ..repaired.options.clone() };
+            let options =
+                PreprocessOptions { position_cutoff_hz: Some(cutoff_hz), ..repaired.options.clone() };
             repaired.preprocessed_anew(options)?;
         }
         let unresolved = Vec::new();

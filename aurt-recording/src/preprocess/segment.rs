@@ -72,7 +72,7 @@ impl Segment {
         Ok(self.parallel_filter.filter_all(series)?.iter().map(|s| self.at_rows(s)).collect())
     }
 
-    /// Leaves samples of joints, `[joint][sample]`, out of the rows: of the measurement here, and of columns by
+    /// Leaves samples of joints, `[joint][sample]`, out of the rows, or none: of the measurement here, and of columns by
     /// [`Self::silence`].
     ///
     /// Measurement and columns are zero there before they are filtered. A row is a sum over samples; what holds for each of
@@ -81,8 +81,8 @@ impl Segment {
     ///
     /// # Errors
     /// As [`ZeroPhase::filter_all`].
-    pub fn leave_out(&mut self, samples: Vec<Vec<bool>>) -> Result<(), RecordingError> {
-        self.left_out = Some(samples);
+    pub fn leave_out(&mut self, samples: Option<Vec<Vec<bool>>>) -> Result<(), RecordingError> {
+        self.left_out = samples;
         let Some(mut raw) = self.raw_measurement.clone() else { return Ok(()) };
         (0..raw.len()).for_each(|joint| self.silence(joint, 0, &mut raw[joint]));
         self.measurement = Some(self.filtered(&raw)?);
