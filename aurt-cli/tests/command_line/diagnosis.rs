@@ -93,7 +93,7 @@ fn friction_beside_a_load_is_no_noise() {
     let joint = &verdict["residual"][2];
     let [floor, left, was] =
         ["floor_rms", "unexplained_rms", "baseline_rms"].map(|k| joint[k].as_f64().unwrap());
-    assert!(floor < 0.7 && left < 0.7 && was > 4.0, "{joint}");
+    assert!(floor < 0.7 && left < 0.7 && was > 10.0 * left, "{joint}");
 }
 
 /// Physics that no candidate describes is not given a name, and nothing is nothing.
@@ -104,8 +104,19 @@ fn unknown_effects_stay_unexplained_and_nulls_are_null() {
     let folder = Folder::new().with_concealed(plan, 2025);
     for case in ["case_0001", "case_0002"] {
         let null = truth(&folder, case)["effects"].as_array().unwrap().is_empty();
+        let expected = if null { "no_mismatch" } else { "unexplained" };
         let found = verdict(&folder, case, &[]);
-        assert_eq!(found["verdict"], if null { "no_mismatch" } else { "unexplained" }, "{case}: {found}");
+        assert_eq!(found["verdict"], expected, "{case}: {found}");
+        // The answer is about the robot, not about the band that somebody guessed.
+        let text = folder.read(&format!("cases/{case}/experiment.toml"));
+        for f_dyn_hz in ["2.5", "20.0"] {
+            let other = text.replace("f_dyn_hz = 10.0", &format!("f_dyn_hz = {f_dyn_hz}"));
+            assert_ne!(other, text);
+            folder.write(&format!("cases/{case}/experiment.toml"), &other);
+            std::fs::remove_dir_all(folder.path(case)).unwrap();
+            let found = verdict(&folder, case, &[]);
+            assert_eq!(found["verdict"], expected, "{case} at {f_dyn_hz} Hz: {found}");
+        }
     }
 }
 

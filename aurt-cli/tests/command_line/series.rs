@@ -120,12 +120,13 @@ fn a_diagnosis_writes_what_it_saw() {
             format!("{{ time = \"timestamp\", position = {}, measurement = {} }}", names("q"), names(series));
         let file = "table/series_later_motion.parquet";
         let recordings = format!(
-            "[recordings]\ncalibration = [{{ file = \"{file}\", columns = {columns}, unit = \"Nm\" }}]\n"
+            "[recordings]\ndrop = \"nan\"\ncalibration = [{{ file = \"{file}\", columns = {columns}, unit = \"Nm\" }}]\n"
         );
         folder.write("again.toml", &format!("{}{recordings}{}", &experiment[..begin], &experiment[end..]));
         folder.aurt(["run", "again.toml", "--out", series])
     };
     run("measured_torque").succeeded();
-    // Rows at the ends of a recording do not count, and are no rows of the series: each has its prediction.
+    // Rows at the ends of a recording do not count, and are no rows of the series; rows at reversals do not, and have no
+    // prediction.
     run("predicted_after_torque").succeeded();
 }

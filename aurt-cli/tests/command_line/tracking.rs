@@ -61,6 +61,11 @@ fn a_model_of_another_robot_is_refused() {
     folder.write("mdh.csv", &table);
     folder.write("experiment.toml", &text.replace("[0.0, 0.0, -9.81]", "[0.0, -9.81, 0.0]"));
     refused(&["of another robot", "gravity is", "-9.81, 0.0] m/s²"]);
+    // Currents are other torques with other torque constants.
+    let other = text.replace("torque_constants_nm_per_a = [11.976", "torque_constants_nm_per_a = [13.0");
+    assert_ne!(other, text);
+    folder.write("experiment.toml", &other);
+    refused(&["--model", "was made with the torque constants 11.976", "the experiment has 13"]);
 }
 
 /// Robots of a list, followed one by one and by their numbers, and one table of them.

@@ -71,13 +71,15 @@ impl QuestionedRecording {
         Ok(())
     }
 
-    /// The recording with its faults found and repaired, but for those of effects that are left out (`without`).
+    /// The recording as a diagnosis examines it: with its faults found and repaired, but for those of effects that are left
+    /// out (`without`), the position filter's cut-off chosen where none is asked for, and the samples left out of all rows in
+    /// which the direction of a joint's motion is not resolved.
     ///
     /// # Errors
     /// [`DiagnosisError::ConstantMeasurement`] where no joint's measurement ever changes; [`DiagnosisError::Branch`] where each
     /// contains a motion beside the chain; what preprocessing the repaired
     /// recording reports.
-    pub(crate) fn repaired(&self, without: &[String]) -> Result<Self, DiagnosisError> {
+    pub fn repaired(&self, without: &[String]) -> Result<Self, DiagnosisError> {
         let constant: Vec<Option<f64>> =
             self.raw.measurement.iter().flatten().map(|series| constant(series)).collect();
         if let Some(Some(value)) = constant.first()

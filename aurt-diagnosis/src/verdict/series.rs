@@ -121,7 +121,10 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
 /// The measurement of every row, from the recording as it was preprocessed: rows of an investigation are silent where
 /// they do not count, and less the prediction where a model is taken as given.
 fn measured(recording: &QuestionedRecording, rows: &RecordingRows) -> Option<Vec<Vec<f64>>> {
-    let segments = &recording.data.data.segments;
+    let mut segments = recording.data.data.segments.clone();
+    for segment in segments.iter_mut().filter(|s| s.left_out.is_some()) {
+        segment.leave_out(None).ok()?;
+    }
     let joints = (0..rows.joints.len())
         .map(|j| {
             let of_joint =

@@ -175,7 +175,9 @@ fn floors_at(
     let recordings: Vec<QuestionedRecording> = (3..5)
         .map(|seed| {
             let name = format!("{seed}");
-            QuestionedRecording::new(Role::Calibration, name, recorded(seed), options.clone()).unwrap()
+            let recording = recorded(seed);
+            let read = QuestionedRecording::new(Role::Calibration, name, recording, options.clone());
+            read.unwrap().repaired(&[]).unwrap()
         })
         .collect();
     let question = Question {

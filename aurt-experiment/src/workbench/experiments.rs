@@ -13,6 +13,7 @@ use aurt::{
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
 use aurt_rbd::geometry_difference;
 use aurt_recording::RobotJoints;
+use aurt_traits::MeasurementUnit;
 
 use crate::workbench::failure::Failure;
 
@@ -41,8 +42,8 @@ pub fn source(source: &RecordingSource) -> Source {
     }
 }
 
-/// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, and the same
-/// geometry under the same gravity.
+/// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, the same
+/// geometry under the same gravity, and drives of the same torque constants.
 ///
 /// # Errors
 /// [`Failure::Argument`] if it is not.
@@ -57,10 +58,15 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
     } else {
         let model = &calibrated.model;
         let theirs = experiment.robot.rigid_body()?;
-        let Some(difference) = geometry_difference(&**model.rigid_body(), model.base(), &*theirs)? else {
-            return Ok(());
-        };
-        format!("the model is of another robot than the experiment: {difference}, in this order")
+        match geometry_difference(&**model.rigid_body(), model.base(), &*theirs)? {
+            Some(difference) => {
+                format!("the model is of another robot than the experiment: {difference}, in this order")
+            }
+            None => match constants_difference(calibrated, experiment) {
+                Some(difference) => difference,
+                None => return Ok(()),
+            },
+        }
     };
     Err(Failure::Argument {
         option: "--model",
@@ -69,6 +75,24 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
                  the model under [robot]: joint_names = […]"
             .into(),
     })
+}
+
+/// In what the drives of an experiment differ from those of a model: with other torque constants, currents are other torques.
+fn constants_difference(calibrated: &CalibratedModel, experiment: &Experiment) -> Option<String> {
+    let theirs = experiment.robot.torque_constants_nm_per_a.as_ref()?;
+    let ours = calibrated.instrument.torque_constants_nm_per_a.as_ref();
+    let listed = |constants: &[f64]| constants.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    match ours {
+        None if calibrated.calibration.unit == MeasurementUnit::Ampere => {
+            Some("the model is in A, the experiment has `torque_constants_nm_per_a`".to_owned())
+        }
+        Some(ours) if ours != theirs => Some(format!(
+            "the model was made with the torque constants {} Nm/A, the experiment has {}",
+            listed(ours),
+            listed(theirs)
+        )),
+        _ => None,
+    }
 }
 
 /// What an experiment asks to be fitted.

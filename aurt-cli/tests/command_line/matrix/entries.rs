@@ -91,7 +91,7 @@ pub const ENTRIES: [Entry; 17] = [
     },
     Entry {
         takes: &["sensitivity EXPERIMENT.toml"],
-        lines: &["sensitivity table.toml --effects stribeck --joints 0 --out sensitivity"],
+        lines: &["sensitivity table.toml --effects spring --joints 0 --out sensitivity"],
         results: &["sensitivity/sensitivity.json#/limits"],
         in_part: &["status"],
         knows_head: false,

@@ -36,6 +36,15 @@ pub fn diagnose_drives(
 ) -> Result<DriveOutcome, Failure> {
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    if let Some(target) = experiment.recordings.target.first() {
+        let reason = format!(
+            "{} is a target; positions of servo arms are not compared between recordings",
+            target.written
+        );
+        let remedy = "list what is to be explained under `calibration`, for what its drives and joints need, or under `validation` \
+                      alone, for whether the model of the others predicts it";
+        return Err(Failure::unfit(&experiment.path, reason, remedy));
+    }
     let settings = selection(experiment)?;
     let recordings = read_all(experiment, &arm, &mut notes, progress)?;
     let of = |held_out: bool| -> Vec<DriveRecording> {
@@ -318,5 +327,28 @@ fn line(f: &Finding, demands: &Demands, text: &mut String) {
             f.alternatives.join(", "),
             f.structure.decider
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use aurt::Progress;
+    use aurt_plugins::Registry;
+
+    use super::diagnose_drives;
+    use crate::Experiment;
+
+    #[test]
+    fn a_target_is_refused_and_not_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [("mdh.csv", "alpha,a,d\n0,0,0\n"), ("a.csv", ""), ("b.csv", "")] {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let text = "schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, -9.81, 0.0]\n[recordings]\n\
+                    calibration = [\"a.csv\"]\ntarget = [\"b.csv\"]\n[drive]\nmodel = \"pd_law\"\n";
+        let path = folder.path().join("experiment.toml");
+        let experiment = Experiment::parse(text, &path, &mut Registry::linked().unwrap()).unwrap();
+        let refused = diagnose_drives(&experiment, &[], &Progress::silent()).map(|_| ()).unwrap_err();
+        assert!(refused.to_string().contains("b.csv is a target"), "{refused}");
     }
 }
