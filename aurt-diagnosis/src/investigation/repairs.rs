@@ -1,5 +1,6 @@
 //! Whether the repair of faulty recordings makes a difference.
 
+use crate::effects::{dropped_samples, saturation};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, evaluate_all};
 use crate::evidence::judged::prepare;
@@ -9,12 +10,17 @@ use crate::request::Question;
 /// A repair matters if it lowers the mean squared residual of some joint by this share.
 const REPAIRED: f64 = 0.1;
 
-/// Whether the model in question fits the repaired recordings better than the recordings as they were made.
+/// Whether the model in question fits the repaired recordings better than the recordings as they were made, which are examined
+/// like them but for the repair.
 pub(crate) fn repair_helps(
     as_recorded: &Question<'_>,
     repaired: &Question<'_>,
 ) -> Result<bool, DiagnosisError> {
-    let (before, after) = (mean_squares(as_recorded)?, mean_squares(repaired)?);
+    let faults = [&dropped_samples::EFFECT, &saturation::EFFECT].map(|effect| effect.id.to_owned());
+    let recordings =
+        as_recorded.recordings.iter().map(|r| r.repaired(&faults)).collect::<Result<Vec<_>, _>>()?;
+    let as_recorded = Question { recordings: &recordings, ..*as_recorded };
+    let (before, after) = (mean_squares(&as_recorded)?, mean_squares(repaired)?);
     Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))
 }
 

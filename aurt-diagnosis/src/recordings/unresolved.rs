@@ -1,7 +1,7 @@
 //! Where the direction of a joint's motion is not resolved.
 //!
 //! Dry friction follows sgn q̇. Where a joint sticks, or creeps more slowly than its encoder resolves, the computed sign is
-//! that of noise, while friction is whatever holds the joint: the error of the model there is no missing physics. A stick that
+//! that of noise, while friction is whatever holds the joint: the model's error there does not show missing physics. A stick that
 //! is shorter than the position filter resolves looks like a reversal, so all reversals count as such.
 //!
 //! These samples are left out of measurement and regressor before both are filtered. Behind the filter each of them would be in
@@ -15,13 +15,14 @@ use aurt_recording::{
 /// Deviations of the velocity's noise within which a joint may stand.
 const RESTS: f64 = 3.0;
 
-/// A row does not count if more than this share of it is left out.
+/// A row does not count if more than this share of it is left out: more of it would be missing than is there.
 const MIXED: f64 = 0.5;
 
-/// Cut-offs of the position filter are this share of the rate at most: above, differences are no derivatives.
+/// Cut-offs of the position filter are at most this share of the rate, as the band of gears is: the stencil that differentiates
+/// passes 0.76 of a slope there.
 const HIGHEST: f64 = 0.2;
 
-/// From one cut-off that is tried to the next.
+/// From one cut-off that is tried to the next. The loss is flat around its minimum: 10 % beside it costs less than 1 %.
 const STEP: f64 = 1.1;
 
 /// Points of an integral over frequencies.
@@ -31,7 +32,7 @@ const POINTS: usize = 256;
 /// is left.
 ///
 /// # Errors
-/// What the filters report.
+/// Errors of the filters.
 pub(crate) fn leave_out_unresolved(
     raw: &Recording,
     data: &mut Preprocessed,

@@ -110,7 +110,8 @@ pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
 /// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.
 const MOST_GEARS: usize = 3;
 
-/// Rows for elasticity end here, Hz, also where positions are known beyond.
+/// Rows for elasticity end here, Hz: 0.8 of the position filter's cut-off at the usual `f_dyn_hz` of 10, the band in which false
+/// claims were counted. Where positions are known beyond, more of it are made.
 const ELASTIC_TOP_HZ: f64 = 40.0;
 
 /// Rows for play end here, Hz: when a flank is struck depends on the cube root of the gap, how the link bounces on
@@ -282,7 +283,7 @@ fn changed(all: Option<Found>, targets: Option<Found>) -> Option<Found> {
 }
 
 impl Shaking {
-    /// What was found without it explains what it would.
+    /// Withdraws the gear: what was found without it explains what it would.
     pub(crate) fn made_superfluous(&mut self) {
         self.confirmed = false;
         self.fails.push("beside what else was found, the recordings do not show it".to_owned());

@@ -1,5 +1,6 @@
 //! Residuals row by row, before and after what was found: what the figures of a verdict are means over.
 
+use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::investigation::Investigation;
@@ -60,6 +61,7 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
     // Before is before a delay was undone, too.
     let first = investigation.late.as_ref().map_or(investigation, |late| &late.before);
     let base = weighted_fit(&first.problem, &first.base_switches, &first.floor).0.coefficients;
+    let examined = examined(question, investigation).unwrap_or_default();
     let whole = |of: &Investigation, r: usize| of.rows[r].followed_by(&of.confirm.to_judge()[r]);
     (0..investigation.rows.len())
         .map(|r| {
@@ -72,17 +74,7 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
             let after = residuals(rows, layout, &all, &full);
             let held_out_from = investigation.rows[r].rows();
             let origin_s = question.recordings[r].origin_s();
-            let measured = match &investigation.late {
-                None if investigation.faults.is_empty() => measured(&question.recordings[r], rows),
-                // Rows are of recordings whose faults are repaired, which can be other rows.
-                None => question.recordings[r]
-                    .repaired(question.without)
-                    .ok()
-                    .and_then(|repaired| measured(&repaired, rows)),
-                // As shifted: the recording itself is late.
-                Some(_) if investigation.baseline.frozen => None,
-                Some(_) => Some(rows.joints.iter().map(|j| j.measurement.clone()).collect()),
-            };
+            let measured = examined.get(r).and_then(|recording| measured(recording, rows));
             let joints = (0..rows.joints.len())
                 .map(|j| {
                     let joint = &rows.joints[j];
@@ -116,6 +108,19 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
             }
         })
         .collect()
+}
+
+/// The recordings as their rows were made: with a delay undone and faults repaired.
+fn examined(
+    question: &Question<'_>,
+    investigation: &Investigation,
+) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
+    let late = investigation.late.as_ref();
+    let recordings = match late {
+        Some(late) => late.delay.undone(question)?,
+        None => question.recordings.to_vec(),
+    };
+    recordings.iter().map(|recording| recording.repaired(question.without)).collect()
 }
 
 /// The measurement of every row, from the recording as it was preprocessed: rows of an investigation are silent where

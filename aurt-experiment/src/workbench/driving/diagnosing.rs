@@ -41,8 +41,7 @@ pub fn diagnose_drives(
             "{} is a target; positions of servo arms are not compared between recordings",
             target.written
         );
-        let remedy = "list what is to be explained under `calibration`, for what its drives and joints need, or under `validation` \
-                      alone, for whether the model of the others predicts it";
+        let remedy = "list it under `calibration` in an experiment of its own, and compare what its drives and joints need";
         return Err(Failure::unfit(&experiment.path, reason, remedy));
     }
     let settings = selection(experiment)?;
