@@ -78,7 +78,7 @@ pub(super) fn without_gears(
 /// torque at all frequencies, and simulated links follow a part of it: what such a gear explains, the load explains better.
 ///
 /// # Errors
-/// What models and filters report.
+/// Errors of models and filters.
 pub(super) fn found_beside(
     question: &Question<'_>,
     found: &mut Investigation,

@@ -39,7 +39,7 @@ pub struct Spoilt {
     /// The value of each joint's measurement that never changes: what was logged there is no measurement, and the joint's
     /// rows do not count.
     pub constant: Vec<Option<f64>>,
-    /// The rows in which the direction of a joint's motion is not resolved, `[joint][row]`; they do not count.
+    /// The rows of which little is left without the samples whose direction is not resolved, `[joint][row]`; they do not count.
     pub unresolved: Vec<Vec<bool>>,
 }
 
@@ -138,7 +138,7 @@ impl QuestionedRecording {
         self.raw.report.branches.iter().any(|branch| branch.upstream.contains(&joint))
     }
 
-    /// Leaves out the rows that a fault has touched, those in which a direction is not resolved, and all of a joint whose
+    /// Leaves out the rows that a fault has touched, those of which little is left around reversals, and all of a joint whose
     /// measurement never changes or contains a motion beside the chain.
     pub(crate) fn mask(&self, rows: &mut RecordingRows) {
         for (_, joint) in rows.joints.iter_mut().enumerate().filter(|(j, _)| self.contains_branch(*j)) {

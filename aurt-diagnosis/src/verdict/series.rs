@@ -26,7 +26,7 @@ pub struct RecordingSeries {
     pub joints: Vec<JointSeriesRows>,
 }
 
-/// One joint of a [`RecordingSeries`]. Rows that do not count (the joint stands, the recording is faulty, something
+/// One joint of a [`RecordingSeries`]. Rows that do not count (the joint stands or reverses, the recording is faulty, something
 /// touched the arm) are not a number in the residuals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointSeriesRows {
