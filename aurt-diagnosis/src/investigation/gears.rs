@@ -8,10 +8,10 @@ use aurt_recording::Segment;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
-use crate::investigation::{Fitted, Investigation, earn};
+use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
-use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, undone};
+use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, gears_anew, undone};
 
 /// A model fitted without what gears do, and what it left with it.
 pub(super) struct WithoutGears {
@@ -32,26 +32,30 @@ pub struct BeforeGears {
 }
 
 /// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns.
-const TURNS: usize = 2;
+const TURNS: usize = 4;
 
-/// Looks for gears in what a model leaves, on some joints or on all, and fits the model again without their torque; `of_all`
-/// says whether it is to be fitted to all recordings.
+/// Looks for gears of some joints in what a model leaves, and fits the model again without their torque; `of_all` says whether it is
+/// to be fitted to all recordings.
 pub(super) fn without_gears(
     question: &Question<'_>,
     original: Judged,
     of_all: bool,
-    joints: Option<&[usize]>,
+    joints: &[usize],
 ) -> Result<WithoutGears, DiagnosisError> {
     let mut gears = Gears::default();
     let mut freed: Option<(Vec<QuestionedRecording>, Judged)> = None;
-    let turns = if joints.is_some_and(<[usize]>::is_empty) { 0 } else { TURNS };
+    let turns = if joints.is_empty() { 0 } else { TURNS };
     for turn in 0..turns {
         let Judged { baseline, .. } = freed.as_ref().map_or(&original, |(_, refitted)| refitted);
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
         let columns = question.model.base().columns.iter().copied();
         let inertial: Vec<(usize, f64)> = columns.zip(baseline.coefficients.iter().copied()).collect();
-        let mut found = find_gears(question, &fit, &inertial)?;
-        let is_asked = |gear: &Shaking| joints.is_none_or(|joints| joints.contains(&gear.joint));
+        let mut found = if turn == 0 {
+            find_gears(question, &fit, &inertial)?
+        } else {
+            Gears { found: gears_anew(question, &fit, &inertial, &gears.found)?, ..gears.clone() }
+        };
+        let is_asked = |gear: &Shaking| joints.contains(&gear.joint);
         found.found.iter_mut().filter(|g| g.confirmed && !is_asked(g)).for_each(Shaking::made_superfluous);
         let confirmed = found.found.iter().any(|g| g.confirmed);
         if turn == 0 || confirmed {
@@ -74,29 +78,11 @@ pub(super) fn without_gears(
     })
 }
 
-/// The joints among `alone` whose gears show as well beside what was found without any gear. A load that the model lacks has
-/// torque at all frequencies, and simulated links follow a part of it: what such a gear explains, the load explains better.
+/// The gears that show in what the model and all claims leave.
 ///
 /// # Errors
 /// Errors of models and filters.
-pub(super) fn found_beside(
-    question: &Question<'_>,
-    found: &mut Investigation,
-    alone: &[usize],
-) -> Result<Vec<usize>, DiagnosisError> {
-    // What fails a test has no torque; the tests are made again when all is found.
-    let selected = (found.selection.clone(), found.stability.clone(), found.indicated.clone());
-    earn(question, found)?;
-    let joints = found_beside_claims(question, found, alone);
-    (found.selection, found.stability, found.indicated) = selected;
-    joints
-}
-
-fn found_beside_claims(
-    question: &Question<'_>,
-    found: &Investigation,
-    alone: &[usize],
-) -> Result<Vec<usize>, DiagnosisError> {
+pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Result<Gears, DiagnosisError> {
     let fitted = Fitted::new(found, found.switches());
     let own = fitted.own(&found.baseline.coefficients, &found.base_switches);
     let recordings = without_claims(question, found, &fitted)?;
@@ -104,9 +90,7 @@ fn found_beside_claims(
     let fit = Fit { model: question.model, load: &found.baseline.load, coefficients: &own };
     let columns = question.model.base().columns.iter().copied();
     let inertial: Vec<(usize, f64)> = columns.zip(own.iter().copied()).collect();
-    let beside = find_gears(question, &fit, &inertial)?.found;
-    let shows = |joint: &&usize| beside.iter().any(|gear| gear.confirmed && gear.joint == **joint);
-    Ok(alone.iter().filter(shows).copied().collect())
+    find_gears(question, &fit, &inertial)
 }
 
 /// The recordings without the torque of what was found, unfiltered.

@@ -48,7 +48,7 @@ use crate::request::{Question, QuestionedRecording, length};
 use crate::search::selection::Selection;
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
-use gears::{found_beside, without_gears};
+use gears::{gears_beside, without_gears};
 use selecting::{Parts, Selected};
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
@@ -137,8 +137,9 @@ impl Investigation {
     }
 }
 
-/// Investigates a question: baseline, candidates, selection. Where the measurement turns out to be late, it is
-/// shifted back and everything investigated again, so that the delay distorts no other finding.
+/// Investigates a question: baseline, candidates, selection, tests. A delay is undone before anything else is claimed, and gears
+/// are looked for in what all claims leave: a delay or a load that a model lacks has torque at all frequencies, and
+/// simulated links follow a part of it.
 ///
 /// # Errors
 /// What evaluation reports; [`DiagnosisError::NothingToDiagnose`].
@@ -147,10 +148,27 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let Examination { mut investigation, recordings } = selected(question, registry, &mut progress)?;
+    let Punctual { mut examination, recordings: punctual, without } =
+        punctual(question, registry, &mut progress)?;
+    let question = &Question { recordings: &punctual, without: &without, ..*question };
     progress("testing the findings");
+    let rigid = &Question { recordings: &examination.recordings, ..*question };
+    earn(rigid, &mut examination.investigation)?;
+    progress("simulating links on their gears");
+    let gears = gears_beside(rigid, &examination.investigation)?;
+    let confirmed: Vec<usize> = gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect();
+    let before = &mut examination.investigation;
+    (before.shaking, before.gears_visible) = (gears.found, gears.visible);
+    if !confirmed.is_empty() {
+        let late = before.late.take();
+        examination = examine(question, registry, &confirmed, &mut progress)?;
+        examination.investigation.late = late;
+        progress("testing the findings");
+        let elastic = &Question { recordings: &examination.recordings, ..*question };
+        earn(elastic, &mut examination.investigation)?;
+    }
+    let Examination { mut investigation, recordings } = examination;
     let question = &Question { recordings: &recordings, ..*question };
-    earn(question, &mut investigation)?;
     reselect(question, registry, &mut investigation, progress)?;
     Ok(investigation)
 }
@@ -162,29 +180,40 @@ struct Examination {
     recordings: Vec<QuestionedRecording>,
 }
 
+/// An examination of measurements that come in time.
+struct Punctual {
+    examination: Examination,
+    /// The recordings, a delay undone.
+    recordings: Vec<QuestionedRecording>,
+    /// Effects that are not looked for.
+    without: Vec<String>,
+}
+
 /// Investigates up to selection, with a delay undone if there is one.
-fn selected(
+fn punctual(
     question: &Question<'_>,
     registry: &Registry,
-    mut progress: impl FnMut(&str),
-) -> Result<Examination, DiagnosisError> {
-    let first = investigate_as_it_is(question, registry, &mut progress)?;
+    progress: &mut impl FnMut(&str),
+) -> Result<Punctual, DiagnosisError> {
+    let first = examine(question, registry, &[], progress)?;
     let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
+    if found.is_none() && !first.investigation.is_late() {
+        return Ok(Punctual { examination: first, recordings: question.recordings.to_vec(), without });
+    }
     without.push(DELAY.id.to_owned());
-    let Some(delay) = found else {
-        if !first.investigation.is_late() {
-            return Ok(first);
+    let recordings = match &found {
+        Some(delay) => {
+            progress("shifting the measurement back");
+            delay.undone(question)?
         }
         // What the column of a delay described is something else.
-        return investigate_as_it_is(&Question { without: &without, ..*question }, registry, &mut progress);
+        None => question.recordings.to_vec(),
     };
-    progress("shifting the measurement back");
-    let shifted = delay.undone(question)?;
-    let question = Question { recordings: &shifted, without: &without, ..*question };
-    let mut second = investigate_as_it_is(&question, registry, &mut progress)?;
-    second.investigation.late = Some(Late { delay, before: Box::new(first.investigation) });
-    Ok(second)
+    let again = Question { recordings: &recordings, without: &without, ..*question };
+    let mut examination = examine(&again, registry, &[], progress)?;
+    examination.investigation.late = found.map(|delay| Late { delay, before: Box::new(first.investigation) });
+    Ok(Punctual { examination, recordings, without })
 }
 
 /// The travel of each joint below which positions are not told apart in the coarsest recording: the step of the encoder,
@@ -206,43 +235,11 @@ fn apart(body: &dyn RigidBodyRegressor) -> Vec<[usize; 2]> {
     pairs.filter(|[j, k]| !together(*j, *k)).collect()
 }
 
-/// Investigates recordings as they are. Gears are looked for before anything else, since what they do looks like many an
-/// effect; those that what is found without them makes superfluous are none.
-fn investigate_as_it_is(
+/// Investigates recordings as they are up to selection, beside the gears of some joints.
+fn examine(
     question: &Question<'_>,
     registry: &Registry,
-    progress: &mut impl FnMut(&str),
-) -> Result<Examination, DiagnosisError> {
-    let mut first = investigate_with_gears(question, registry, None, progress)?;
-    let confirmed = |shaking: &[Shaking]| -> Vec<usize> {
-        shaking.iter().filter(|s| s.confirmed).map(|s| s.joint).collect()
-    };
-    let alone = confirmed(&first.investigation.shaking);
-    if alone.is_empty() {
-        return Ok(first);
-    }
-    let mut rigid = investigate_with_gears(question, registry, Some(&[]), progress)?;
-    progress("simulating links beside what was found");
-    let rigid_question = Question { recordings: &rigid.recordings, ..*question };
-    let both = found_beside(&rigid_question, &mut rigid.investigation, &alone)?;
-    if both.len() == alone.len() {
-        return Ok(first);
-    }
-    if !both.is_empty() {
-        return investigate_with_gears(question, registry, Some(&both), progress);
-    }
-    let shaking = &mut first.investigation.shaking;
-    shaking.iter_mut().filter(|s| s.confirmed).for_each(Shaking::made_superfluous);
-    rigid.investigation.shaking = std::mem::take(shaking);
-    rigid.investigation.gears_visible = std::mem::take(&mut first.investigation.gears_visible);
-    Ok(rigid)
-}
-
-/// Investigates recordings beside the gears that show in what the model in question leaves, of some joints or of all.
-fn investigate_with_gears(
-    question: &Question<'_>,
-    registry: &Registry,
-    joints: Option<&[usize]>,
+    elastic: &[usize],
     progress: &mut impl FnMut(&str),
 ) -> Result<Examination, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
@@ -274,8 +271,10 @@ fn investigate_with_gears(
     if undetermined {
         judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
-    progress("simulating links on their gears");
-    let gears = without_gears(question, judged, undetermined, joints)?;
+    if !elastic.is_empty() {
+        progress("fitting the reference model beside gears");
+    }
+    let gears = without_gears(question, judged, undetermined, elastic)?;
     let freed =
         Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
     let question = &freed;

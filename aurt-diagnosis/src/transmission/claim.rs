@@ -158,8 +158,7 @@ impl<'a> JointRows<'a> {
     pub fn search(&self, scan: &Scan<'_>, among: Among, level: Level) -> (Option<Found>, Vec<f64>) {
         let Scan { starts, moments: scanned } = scan;
         let blocks = self.blocks(among);
-        let halves: [Vec<Block>; 2] =
-            [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b / PARTS) % 2 == half).collect());
+        let halves = halves(&blocks);
         let visible = scanned.iter().map(|m| 0.5 * sums(m, &blocks)[0]).collect();
         if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
             return (None, visible);
@@ -180,6 +179,14 @@ impl<'a> JointRows<'a> {
             return (None, visible);
         }
         (Some(self.tested(&halves, [starts[first], starts[second]], &blocks, level)), visible)
+    }
+
+    /// A gear of this joint tested from a known shape; `None` where too few blocks judge.
+    pub fn anew(&self, shape: Shape, among: Among, level: Level) -> Option<Found> {
+        let blocks = self.blocks(among);
+        let halves = halves(&blocks);
+        let enough = halves.iter().all(|h| 2 * h.len() >= FEWEST_PARTS);
+        enough.then(|| self.tested(&halves, [shape; 2], &blocks, level))
     }
 
     fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block], level: Level) -> Found {
@@ -325,6 +332,11 @@ impl Found {
     pub fn confirmed(&self) -> bool {
         self.fails.is_empty()
     }
+}
+
+/// The blocks of time that fit while the others judge, and those others.
+fn halves(blocks: &[Block]) -> [Vec<Block>; 2] {
+    [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b / PARTS) % 2 == half).collect())
 }
 
 fn sums(moments: &[Moments], blocks: &[Block]) -> [f64; 2] {

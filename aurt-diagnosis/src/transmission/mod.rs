@@ -190,6 +190,44 @@ pub fn find_gears(
     }
 }
 
+/// Tests confirmed gears anew in what a model leaves that was fitted without their torque, each from the shape that it had.
+///
+/// # Errors
+/// What the model and the filters report.
+pub(crate) fn gears_anew(
+    question: &Question<'_>,
+    fit: &Fit<'_>,
+    inertial: &[(usize, f64)],
+    gears: &[Shaking],
+) -> Result<Vec<Shaking>, DiagnosisError> {
+    let pieces = pieces(question, fit, inertial, |role| role != Role::Validation)?;
+    let kinds = [false, true].map(|target| pieces.iter().any(|p| p.target == target));
+    let level = Level { level: question.selection.level, trials: 1.0 };
+    let anew = |gear: &Shaking| -> Result<Shaking, DiagnosisError> {
+        let others = || gears.iter().filter(|g| g.confirmed && g.joint != gear.joint);
+        let most_hz = if gear.gap_rad[0] > 0.0 { PLAY_TOP_HZ } else { ELASTIC_TOP_HZ };
+        let freed = pieces
+            .par_iter()
+            .map(|p| {
+                let mut full = p.full.clone();
+                for other in others().filter(|g| g.present[usize::from(p.target)]) {
+                    let torque = undo::torque(other, &p.full, &p.gradients);
+                    for (residual, torque) in full.residual.iter_mut().zip(torque) {
+                        residual.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
+                    }
+                }
+                let rows = Rows::new(p.segment, &full, &p.gradients, p.position_cutoff_hz, most_hz)?;
+                Ok(OwnFreed::new(rows, p.target))
+            })
+            .collect::<Result<Vec<_>, DiagnosisError>>()?;
+        let among = if gear.present[0] { Among::All } else { Among::Targets };
+        let found =
+            JointRows::new(&freed, gear.joint)?.and_then(|rows| rows.anew(gear.simulated.0, among, level));
+        Ok(found.map_or_else(|| gear.clone(), |found| Shaking { p: gear.p, ..Shaking::new(found, kinds) }))
+    };
+    gears.iter().map(|gear| if gear.confirmed { anew(gear) } else { Ok(gear.clone()) }).collect()
+}
+
 /// The segments in which gears can be looked for.
 fn pieces<'a>(
     question: &'a Question<'_>,
@@ -294,11 +332,11 @@ impl Shaking {
         let (amplitude, std) = (found.amplitude, found.amplitude_std);
         let gear = found.shape.gear(found.inertia);
         let [hz, ratio, _, gap] = found.shape_std;
-        let relative = std / amplitude.max(f64::MIN_POSITIVE);
-        // The torque of the swinging inertia is its frequency's square: of what the fit takes for the link, the amplitude
-        // is the link's share.
-        let stiffness = amplitude * gear.stiffness_nm_rad;
-        let damping = amplitude * gear.damping_nm_s;
+        // The rotor's share is fitted, so the amplitude of the true gear is one: by as much as it differs, the arm swings in another
+        // way than one link on one gear does (other gears give way as well), and its stiffness is that much in doubt.
+        let relative = std.hypot(1.0 - amplitude);
+        let stiffness = gear.stiffness_nm_rad;
+        let damping = gear.damping_nm_s;
         let shown = |kind: usize| kinds[kind] && found.gains[kind] > 0.0;
         Self {
             effect: if play { &backlash::EFFECT } else { &joint_elasticity::EFFECT },
