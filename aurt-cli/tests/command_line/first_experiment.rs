@@ -22,7 +22,7 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     // One of the files is given twice under another name.
     folder.write("again.csv", &folder.read(LOGS[0]));
     let said = folder.aurt(init(&[LOGS[0], LOGS[1], "again.csv"], &CONSTANTS)).succeeded().stdout();
-    assert!(said.contains("again.csv holds the samples of exciting_motion.csv"), "{said}");
+    assert!(said.contains("again.csv holds the same samples as exciting_motion.csv"), "{said}");
     assert!(said.contains("no common mistake explains more"), "{said}");
     let text = folder.read("experiment.toml");
     assert!(text.starts_with("schema = 1"), "{text}");

@@ -189,8 +189,9 @@ fn read_all(
         samples.add(&UsedSeries {
             label: &read.label,
             role: role.name(),
-            position: &read.recording.position_rad,
-            measured: &read.recording.command,
+            time_s: &read.recording.time_s,
+            motion: &read.recording.command,
+            measured: &read.recording.position_rad,
             rows: 0..read.recording.time_s.len(),
         })?;
         recordings.push(Read { held_out, ..read });
