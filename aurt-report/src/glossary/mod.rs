@@ -29,11 +29,13 @@ pub fn terms() -> &'static [Term] {
 }
 
 /// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 12] = [
+const ALIASES: [(&str, &str); 16] = [
+    ("coulomb", "joint_dynamics"),
     ("delay_s", "instrument"),
     ("f_dyn_hz", "f_dyn"),
     ("gains", "instrument"),
     ("gravity_m_s2", "gravity"),
+    ("hysteresis", "joint_dynamics"),
     ("libraries", "plugins"),
     ("mdh_rows", "mdh"),
     ("not_physical", "unphysical"),
@@ -41,7 +43,9 @@ const ALIASES: [(&str, &str); 12] = [
     ("offsets", "instrument"),
     ("prior_weight", "prior"),
     ("rest_velocity_rad_s", "rest"),
+    ("tips", "tip"),
     ("torque_constants_nm_per_a", "torque_constants"),
+    ("viscous", "joint_dynamics"),
 ];
 
 /// The term of a name.
