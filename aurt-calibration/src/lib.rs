@@ -61,7 +61,7 @@ pub use rows::{
 };
 pub use statistics::{ONE_SIDED_5, in_standard_errors, student, two_sided};
 pub use system::{Estimate, JointFactor, Solution, System, estimate};
-pub use uncertainty::{CalibratedParameter, noise_bandwidth_factor, with_deviation};
+pub use uncertainty::{CalibratedParameter, deviation_digits, noise_bandwidth_factor, with_deviation};
 pub use validation::{
     ComparedJoint, Comparison, JointMetrics, Metrics, Prediction, ValidatedRows, Validation, compare,
     extrapolations, predict, validate,

@@ -14,8 +14,18 @@ pub fn with_deviation(value: f64, std: f64) -> String {
     if !(std.is_finite() && std > 0.0) {
         return format!("{value:.4}");
     }
-    let digits = (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize;
+    // Beyond nine decimals powers of ten are shorter.
+    if std < 1e-8 {
+        return format!("{value:.9} ± {std:.1e}");
+    }
+    let digits = deviation_digits(std);
     format!("{value:.digits$} ± {std:.digits$}")
+}
+
+/// The decimals of a standard deviation, and of what it belongs to, for two digits of it.
+#[must_use]
+pub fn deviation_digits(std: f64) -> usize {
+    if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
 }
 
 /// By how much the variance of low-frequency estimates exceeds what independent rows would give.
@@ -114,5 +124,7 @@ mod tests {
         assert_eq!(with_deviation(15.809, 1.41), "15.8 ± 1.4");
         assert_eq!(with_deviation(1234.5, 21.0), "1234 ± 21");
         assert_eq!(with_deviation(0.5, f64::INFINITY), "0.5000");
+        assert_eq!(with_deviation(0.25, 3.4e-5), "0.250000 ± 0.000034");
+        assert_eq!(with_deviation(0.25, 3.44e-12), "0.250000000 ± 3.4e-12");
     }
 }

@@ -35,13 +35,15 @@ pub fn escaped(path: &str) -> String {
     path.replace('$', "$$")
 }
 
-/// Whether a terminal obeys a character rather than showing it, or shows it so that other text seems to stand elsewhere: all
-/// controls but line feed and tab, and the controls of writing direction (Unicode's `Bidi_Control`).
+/// Whether a terminal obeys a character rather than showing it, shows it so that other text seems to stand elsewhere, or shows
+/// nothing, so that two names look alike: all controls but line feed and tab, the controls of writing direction (Unicode's
+/// `Bidi_Control`), spaces without width and separators of lines.
 #[must_use]
 pub fn is_harmful(c: char) -> bool {
     let direction =
         matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    direction || c.is_control() && c != '\n' && c != '\t'
+    let invisible = matches!(c, '\u{200b}' | '\u{2028}' | '\u{2029}' | '\u{2060}'..='\u{2064}' | '\u{feff}');
+    direction || invisible || c.is_control() && c != '\n' && c != '\t'
 }
 
 /// Text for a terminal, a page or a comment: harmful characters are escaped, those of escape sequences too.
@@ -139,8 +141,9 @@ mod tests {
             harmless("x\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m"),
             "x\\u{1b}]0;title\\u{7}\\u{1b}[2J\\u{9b}31m"
         );
-        for c in ['\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{7f}']
-        {
+        let direction = ['\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}'];
+        let invisible = ['\u{200b}', '\u{2028}', '\u{2060}', '\u{feff}'];
+        for c in direction.into_iter().chain(invisible).chain(['\u{7f}']) {
             assert_eq!(harmless(&format!("a{c}b")), format!("a\\u{{{:x}}}b", u32::from(c)));
         }
     }

@@ -253,7 +253,8 @@ impl DataSet {
         width: usize,
         options: &ReadOptions,
     ) -> Result<Vec<usize>, RecordingError> {
-        let remedy = "name the robot's joints as the data set does, in the robot's order: joint_names = […]";
+        let remedy = "name the robot's joints as the data set does, in the robot's order: joint_names = […] in an experiment, \
+                      --joint-names on the command line";
         let listed = || if names.is_empty() { "without names".to_owned() } else { names.join(", ") };
         let wanted = options.joint_names();
         if wanted.is_empty() || names.is_empty() {

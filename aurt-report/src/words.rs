@@ -231,8 +231,20 @@ fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> 
     })
 }
 
+/// The indications of a verdict in a line each; those of joints or parts that read alike are told once.
+pub fn all_indicated(verdict: &Verdict, asked: Asked) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for indication in &verdict.indications {
+        let line = indicated(indication, asked);
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines
+}
+
 /// An indication in a line: what it would be, and what it fails.
-pub fn indicated(indication: &Indication, asked: Asked) -> String {
+fn indicated(indication: &Indication, asked: Asked) -> String {
     format!("{}: not claimed, since {}", claim(&indication.finding, asked), indication.fails.join("; "))
 }
 

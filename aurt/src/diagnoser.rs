@@ -21,6 +21,7 @@ use crate::{
     effects::{Effect, Named},
     error::Error,
     fitting::{Assigned, Detail, Job},
+    origins::Origins,
     progress::Progress,
     questioned::{Asked, Part},
     role,
@@ -65,6 +66,8 @@ const MOST_JOINTS: usize = 20;
 pub struct Diagnoser {
     model: RobotModel,
     given: Option<Calibration>,
+    /// The recordings that the given model was calibrated on.
+    origins: Origins,
     settings: Settings,
     selection: SelectionOptions,
     without: Vec<String>,
@@ -80,6 +83,7 @@ impl Diagnoser {
         Self {
             model,
             given: None,
+            origins: Origins::default(),
             settings: Settings::default(),
             selection: SelectionOptions::default(),
             without: Vec::new(),
@@ -92,9 +96,9 @@ impl Diagnoser {
     /// A diagnosis of a calibrated model as it is, with its own settings: its coefficients are not fitted again.
     #[must_use]
     pub fn of_given(model: CalibratedModel) -> Self {
-        let CalibratedModel { model, calibration, preprocessing, instrument, .. } = model;
+        let CalibratedModel { model, calibration, preprocessing, instrument, origins } = model;
         let settings = Settings { preprocessing, instrument, calibration: calibration.options };
-        Self { given: Some(calibration), settings, ..Self::new(model) }
+        Self { given: Some(calibration), origins, settings, ..Self::new(model) }
     }
 
     /// How recordings are preprocessed and coefficients found.
@@ -211,6 +215,7 @@ impl Diagnoser {
         SampleRegister::check(
             loaded.iter().zip(&self.parts).map(|(loaded, part)| (loaded, part.role.name())),
         )?;
+        self.origins.refuse_copies(self.parts.iter().map(|part| (&part.source, part.role)))?;
         let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
         if let Some(given) = self.given.as_ref().map(|given| given.unit).filter(|given| *given != unit) {
             return Err(Error::GivenUnit { given, recorded: unit }.into());

@@ -1,4 +1,4 @@
-//! The same samples in two recordings: each sample counts once, and in one role.
+//! The same samples in two recordings, as they are or thinned, rounded or resampled: each counts once, and in one role.
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -11,12 +11,17 @@ use aurt_recording::Recording;
 use crate::{
     data::{Loaded, Source},
     error::Error,
+    likeness::{Pieces, Series},
 };
+
+pub use crate::likeness::Likeness;
 
 /// Rows in a run by which samples are known again.
 const RUN_ROWS: usize = 64;
 /// Runs of a recording that are kept.
 const RUNS: usize = 32;
+/// Recordings, the latest, with which others are compared piece by piece.
+const COMPARED: usize = 64;
 /// Base of the rolling hash.
 const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -27,9 +32,11 @@ pub struct UsedSeries<'r> {
     pub label: &'r str,
     /// What it is for: the key that lists it.
     pub role: &'static str,
-    /// Positions, `[joint][sample]`.
-    pub position: &'r [Vec<f64>],
-    /// What was measured or commanded, `[joint][sample]`; may be empty.
+    /// Stamps, s.
+    pub time_s: &'r [f64],
+    /// Positions, or commands that drives follow, `[joint][sample]`.
+    pub motion: &'r [Vec<f64>],
+    /// What was measured of it, with noise that no repetition has, `[joint][sample]`; may be empty.
     pub measured: &'r [Vec<f64>],
     /// The samples that are used.
     pub rows: Range<usize>,
@@ -46,14 +53,14 @@ impl<'r> UsedSeries<'r> {
             begin..time.partition_point(|t| t - first <= to).max(begin)
         });
         let measured = recording.measurement.as_deref().unwrap_or_default();
-        Self { label: &source.label, role, position: &recording.position_rad, measured, rows }
+        Self { label: &source.label, role, time_s: time, motion: &recording.position_rad, measured, rows }
     }
 
     /// A hash of each row of the whole.
     fn hashes(&self) -> Vec<u64> {
-        let samples = self.position.first().map_or(0, Vec::len);
+        let samples = self.motion.first().map_or(0, Vec::len);
         let mut hashes = vec![0_u64; samples];
-        for series in self.position.iter().chain(self.measured) {
+        for series in self.motion.iter().chain(self.measured) {
             for (hash, value) in hashes.iter_mut().zip(series) {
                 *hash = (hash.rotate_left(23) ^ value.to_bits()).wrapping_mul(BASE);
                 *hash ^= *hash >> 29;
@@ -62,9 +69,13 @@ impl<'r> UsedSeries<'r> {
         hashes
     }
 
+    const fn series(&self) -> Series<'r> {
+        Series { time_s: self.time_s, motion: self.motion, measured: self.measured }
+    }
+
     /// Whether a joint is elsewhere than in the row before.
     fn moves(&self, row: usize) -> bool {
-        row > 0 && self.position.iter().any(|q| q[row] != q[row - 1])
+        row > 0 && self.motion.iter().any(|q| q[row] != q[row - 1])
     }
 }
 
@@ -83,6 +94,7 @@ struct Seen {
     role: &'static str,
     whole: u64,
     rows: Range<usize>,
+    pieces: Pieces,
 }
 
 impl SampleRegister {
@@ -119,12 +131,20 @@ impl SampleRegister {
         });
         // Each recording for validation is judged by itself.
         let by_itself = |seen: &&Seen| seen.role == used.role && used.role == Role::Validation.name();
-        if let Some(seen) = shared.filter(|seen| !by_itself(seen)) {
+        let alike = || {
+            let others = self.seen.iter().rev().take(COMPARED).filter(|seen| !same(seen) && !by_itself(seen));
+            others
+                .filter_map(|seen| Some((seen, seen.pieces.likeness(&used.series(), used.rows.clone())?)))
+                .next()
+        };
+        let same_samples = shared.filter(|seen| !by_itself(seen)).map(|seen| (seen, Likeness::Same));
+        if let Some((seen, likeness)) = same_samples.or_else(alike) {
             return Err(Error::Repeated {
                 recording: used.label.into(),
                 role: used.role,
                 other: seen.label.clone().into(),
                 other_role: seen.role,
+                likeness,
             });
         }
         self.remember(used, rows, whole);
@@ -146,7 +166,11 @@ impl SampleRegister {
             }
         }
         let (label, rows) = (used.label.to_owned(), used.rows.clone());
-        self.seen.push(Seen { label, role: used.role, whole, rows });
+        let pieces = Pieces::of(&used.series(), rows.clone());
+        self.seen.push(Seen { label, role: used.role, whole, rows, pieces });
+        if let Some(k) = self.seen.len().checked_sub(COMPARED + 1) {
+            self.seen[k].pieces = Pieces::default();
+        }
     }
 }
 
@@ -174,8 +198,9 @@ mod tests {
     }
 
     fn add(register: &mut SampleRegister, series: &[Vec<Vec<f64>>; 2], rows: Range<usize>) -> bool {
-        let [position, measured] = series;
-        register.add(&UsedSeries { label: "a", role: "calibration", position, measured, rows }).is_ok()
+        let [motion, measured] = series;
+        let time_s = &(0..motion[0].len()).map(|k| 0.01 * k as f64).collect::<Vec<_>>();
+        register.add(&UsedSeries { label: "a", role: "calibration", time_s, motion, measured, rows }).is_ok()
     }
 
     #[test]

@@ -11,6 +11,8 @@ use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_traits::{MeasurementUnit, ModelError};
 
+use crate::likeness::Likeness;
+
 /// What samples that are used twice would do.
 fn consequence(role: &str, other: &str) -> &'static str {
     if role == other {
@@ -71,7 +73,7 @@ pub enum Error {
     },
     /// One recording holds samples of another.
     #[error(
-        "{} ({role}) holds the same samples as {} ({other_role}){}; name another recording, or give both a `window_s` that do not \
+        "{} ({role}) {likeness} {} ({other_role}){}; name another recording, or give both a `window_s` that do not \
          overlap",
         recording.display(), other.display(), consequence(role, other_role)
     )]
@@ -84,6 +86,8 @@ pub enum Error {
         other: PathBuf,
         /// What that is for.
         other_role: &'static str,
+        /// The way in which it has them.
+        likeness: Likeness,
     },
     /// A given model and the recordings have different units.
     #[error(

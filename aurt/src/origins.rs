@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{data::Source, role::Role};
+use crate::{data::Source, error::Error, likeness::Likeness, role::Role};
 
 /// The files of a calibration, with hashes by which they are known again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -54,6 +54,36 @@ impl Origins {
         origins
     }
 
+    /// Refuses held-out and target recordings that the model was calibrated on, whatever their files are called.
+    ///
+    /// # Errors
+    /// [`Error::Repeated`].
+    pub fn refuse_copies<'s>(
+        &self,
+        asked: impl IntoIterator<Item = (&'s Source, aurt_diagnosis::Role)>,
+    ) -> Result<(), Error> {
+        if self.calibration.iter().all(|origin| origin.blake3.is_none()) {
+            return Ok(());
+        }
+        for (source, role) in asked.into_iter().filter(|(_, role)| *role != aurt_diagnosis::Role::Calibration)
+        {
+            let Some(hash) = hash_of_file(&source.file) else { continue };
+            let is_same = |origin: &&RecordingOrigin| {
+                origin.blake3.as_ref() == Some(&hash) && overlap(origin.window_s, source.window_s)
+            };
+            if let Some(origin) = self.calibration.iter().find(is_same) {
+                return Err(Error::Repeated {
+                    recording: source.label.clone().into(),
+                    role: role.name(),
+                    other: origin.file.clone().into(),
+                    other_role: "calibration of the given model",
+                    likeness: Likeness::Same,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// The hash of the calibration recording of a name, if it has one.
     #[must_use]
     pub fn blake3(&self, recording: &str) -> Option<&str> {
@@ -65,6 +95,13 @@ impl Origins {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// Whether two parts of a recording have more than the sample between them in common; none is all of it.
+fn overlap(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> bool {
+    let whole = [f64::NEG_INFINITY, f64::INFINITY];
+    let ([begin, end], [other_begin, other_end]) = (one.unwrap_or(whole), other.unwrap_or(whole));
+    begin.max(other_begin) < end.min(other_end)
 }
 
 /// BLAKE3 of the bytes of a regular file; none of others, and of those that cannot be read.

@@ -134,6 +134,18 @@ pub(super) fn report(
     }
 }
 
+/// A mass by the name of its link or joint, if that has one: `the mass of wrist_3_link`, or `m_5`.
+fn of_link(mass: &str, names: RobotNames<'_>) -> String {
+    let link = mass.rsplit_once('_').and_then(|(_, link)| link.parse::<usize>().ok());
+    match link {
+        Some(link) if names.links.get(link).is_some_and(|name| !name.trim().is_empty()) => {
+            format!("the mass of {}", names.link(link))
+        }
+        Some(link) if link < names.joints.len() => format!("the mass behind {}", names.joint(link)),
+        _ => mass.to_owned(),
+    }
+}
+
 impl ConsistentReport {
     /// What a user should know.
     pub(crate) fn warnings(&self, names: RobotNames<'_>) -> Vec<String> {
@@ -170,7 +182,9 @@ impl ConsistentReport {
             .iter()
             .filter_map(|s| Some((s, s.description.filter(|_| s.unit == "kg")?)))
             .filter(|(s, known)| !(known / MASS_FACTOR..=known * MASS_FACTOR).contains(&s.value))
-            .map(|(s, known)| format!("{} (description {known:.3} kg, now {:.3} kg)", s.name, s.value))
+            .map(|(s, known)| {
+                format!("{} (description {known:.3} kg, now {:.3} kg)", of_link(&s.name, names), s.value)
+            })
             .collect();
         if !moved.is_empty() {
             warnings.push(format!(
@@ -195,5 +209,19 @@ impl ConsistentReport {
             ));
         }
         warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masses_are_called_by_the_names_of_a_robot() {
+        let own = ["base", "elbow"].map(str::to_owned);
+        assert_eq!(of_link("m_1", RobotNames::default()), "m_1");
+        assert_eq!(of_link("m_1", RobotNames::of_joints(&own)), "the mass behind elbow");
+        assert_eq!(of_link("m_1", RobotNames { joints: &own, links: &own }), "the mass of elbow");
+        assert_eq!(of_link("m_7", RobotNames::of_joints(&own)), "m_7");
     }
 }

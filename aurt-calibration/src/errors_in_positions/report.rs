@@ -37,12 +37,17 @@ pub struct FittedBandwidth {
 impl FittedBandwidth {
     /// What lowers the noise of the positions against the motion, as an order; without it nothing moves.
     pub(crate) fn remedy(of: Option<Self>) -> String {
-        match of {
+        let rounded =
+            |Self { f_dyn_hz, suitable_hz }| Self { f_dyn_hz: (1e3 * f_dyn_hz).round() / 1e3, suitable_hz };
+        match of.map(rounded) {
             Some(Self { f_dyn_hz, suitable_hz }) if suitable_hz < f_dyn_hz => {
                 format!("use f_dyn_hz = {suitable_hz}, which suits the motion")
             }
+            Some(Self { f_dyn_hz, suitable_hz }) if suitable_hz > f_dyn_hz => format!(
+                "use a finer encoder, or record faster motions; f_dyn_hz = {f_dyn_hz} already cuts this motion, which {suitable_hz} suits"
+            ),
             Some(Self { f_dyn_hz, .. }) => format!(
-                "use a finer encoder, or record faster motions; f_dyn_hz = {f_dyn_hz:.3} suits this motion, and a lower one would cut it"
+                "use a finer encoder, or record faster motions; f_dyn_hz = {f_dyn_hz} suits this motion, and a lower one would cut it"
             ),
             None => "use a finer encoder, or record faster motions".into(),
         }
@@ -173,5 +178,22 @@ impl PositionBias {
             );
         }
         warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FittedBandwidth;
+
+    #[test]
+    fn one_bandwidth_alone_suits_a_motion() {
+        let remedy = |f_dyn_hz| FittedBandwidth::remedy(Some(FittedBandwidth { f_dyn_hz, suitable_hz: 4.0 }));
+        assert!(remedy(10.0).starts_with("use f_dyn_hz = 4, which suits"));
+        assert!(remedy(4.0).contains("f_dyn_hz = 4 suits this motion, and a lower one would cut it"));
+        for below in [3.0, 1.5] {
+            let said = remedy(below);
+            assert!(said.contains("already cuts this motion, which 4 suits"), "{said}");
+            assert!(!said.contains("a lower one"), "{said}");
+        }
     }
 }

@@ -97,7 +97,7 @@ pub fn doubts(
     }
     let subject = Subject::of_experiment(experiment, recordings)?;
     let examination = mistakes::examine_calibrated(&subject, !poor.is_empty(), registry)?;
-    Ok(Doubts { loudly: mistakes::loudly(&poor), oddities, examination })
+    Ok(Doubts { loudly: mistakes::loudly(&poor, examination.names()), oddities, examination })
 }
 
 impl Doubts {

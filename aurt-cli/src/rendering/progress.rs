@@ -39,7 +39,7 @@ struct Bar {
 impl Observer for Bar {
     fn step(&self, what: &str) {
         self.bar.set_message(harmless(what).into_owned());
-        self.bar.inc(1);
+        self.advance();
     }
 
     fn skip(&self, steps: usize) {
@@ -49,6 +49,10 @@ impl Observer for Bar {
 
     fn advance(&self) {
         self.bar.inc(1);
+        // How many steps there are is an estimate.
+        if self.bar.length().is_some_and(|steps| self.bar.position() > steps) {
+            self.bar.set_length(self.bar.position());
+        }
     }
 }
 
@@ -85,7 +89,9 @@ impl Lines {
                 let line = {
                     let Step { number, name } = &*shared.lock().unwrap_or_else(PoisonError::into_inner);
                     let name = if name.is_empty() { String::new() } else { format!(": {name}") };
-                    format!("step {number} of {steps} after {} s{name}\n", begin.elapsed().as_secs())
+                    // How many steps there are is an estimate: what takes more has no end that is known.
+                    let of = if *number <= steps { format!(" of {steps}") } else { String::new() };
+                    format!("step {number}{of} after {} s{name}\n", begin.elapsed().as_secs())
                 };
                 // Nothing is left to do where standard error is closed.
                 let _ = out.write_all(harmless(&line).as_bytes()).and_then(|()| out.flush());
@@ -161,8 +167,11 @@ mod tests {
         observer.skip(20);
         observer.step("selecting");
         assert!(told("step 21 of 24 after ").ends_with(" s: selecting\n"));
+        observer.skip(95);
+        observer.step("more than were expected");
+        assert!(told("step 96 ").starts_with("step 96 after "));
         drop(observer);
-        assert!(lines.iter().all(|line| line.starts_with("step 21")), "the writer has ended");
+        assert!(lines.iter().all(|line| line.starts_with("step 96 after")), "the writer has ended");
     }
 
     #[test]

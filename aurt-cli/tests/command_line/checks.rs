@@ -211,4 +211,17 @@ fn a_sample_counts_once() {
     }
     folder.aurt("diagnose asked.toml --out out".split(' ')).refused(&["other_motion.csv", "not held-out"]);
     folder.aurt("check copy.csv exciting_motion.csv".split(' ')).refused(&["the same samples"]);
+    // Every second row, under another clock, is no other recording.
+    let text = folder.read("exciting_motion.csv");
+    let (header, rows) = text.split_once('\n').unwrap();
+    let thinned = rows.lines().step_by(2).map(|row| {
+        let (stamp, rest) = row.split_once(',').unwrap();
+        format!("{:.4},{rest}\n", stamp.parse::<f64>().unwrap() + 7.3)
+    });
+    folder.write("copy.csv", &format!("{header}\n{}", thinned.collect::<String>()));
+    let found = ["copy.csv", "holds every 2nd row of exciting_motion.csv"];
+    folder.aurt("run twice.toml --out out".split(' ')).refused(&found);
+    folder.write("held_out.toml", &toml.replace("\"other_motion.csv\", ", "\"copy.csv\", "));
+    folder.aurt("run held_out.toml --out out".split(' ')).refused(&found);
+    folder.aurt("diagnose held_out.toml --out out".split(' ')).refused(&found);
 }

@@ -22,7 +22,7 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     // One of the files is given twice under another name.
     folder.write("again.csv", &folder.read(LOGS[0]));
     let said = folder.aurt(init(&[LOGS[0], LOGS[1], "again.csv"], &CONSTANTS)).succeeded().stdout();
-    assert!(said.contains("again.csv holds the samples of exciting_motion.csv"), "{said}");
+    assert!(said.contains("again.csv holds the same samples as exciting_motion.csv"), "{said}");
     assert!(said.contains("no common mistake explains more"), "{said}");
     let text = folder.read("experiment.toml");
     assert!(text.starts_with("schema = 1"), "{text}");
@@ -38,13 +38,34 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     folder.aurt(init(&LOGS, &[])).refused(&["experiment.toml exists", "experiments are not overwritten"]);
 }
 
+/// What is printed is the error of what is written, which has no rotors; mistakes are looked for with them.
+#[test]
+fn the_printed_error_is_that_of_the_experiment() {
+    let folder = demo();
+    let said = folder.aurt(init(&LOGS, &CONSTANTS)).succeeded().stdout();
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    std::fs::remove_file(folder.path("experiment.toml")).unwrap();
+    let run = folder.aurt(init(&LOGS, &[&CONSTANTS[..], &["--json"]].concat())).succeeded();
+    let json: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    let [written, tried] = ["written", "before"].map(|key| json["setup"][key]["joints"].clone());
+    let percents = |joints: &serde_json::Value| {
+        let percent = |e: &serde_json::Value| {
+            let percent = 100.0 * e.as_f64().unwrap();
+            if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+        };
+        joints.as_array().unwrap().iter().map(percent).collect::<Vec<_>>().join(", ")
+    };
+    assert_ne!(percents(&written), percents(&tried), "the demo's robot has rotors");
+    assert!(said.contains(&format!("joint by joint: {}", percents(&written))), "{said}");
+}
+
 /// Currents stay currents, and nothing is claimed of a right setup.
 #[test]
 fn currents_without_constants_accuse_no_robot() {
     let folder = demo();
     let said = folder.aurt(init(&LOGS, &[])).succeeded().stdout();
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("to detect wrong zeros and tables, torque constants are needed"), "{said}");
+    assert!(said.contains("to detect wrong zeros and geometries, torque constants are needed"), "{said}");
     assert!(folder.read("experiment.toml").contains("# Currents stay in A"), "{said}");
 }
 

@@ -246,6 +246,26 @@ fn predictions_of_a_saved_model_are_those_of_the_run() {
 }
 
 #[test]
+fn tables_of_tracks_and_sweeps_call_joints_by_name() {
+    let folder = recorded(&IN_ORDER);
+    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    let track = "track experiment.toml --window-s 2 wednesday.mcap --out track";
+    let run = folder.aurt(track.split(' ').chain(MODEL));
+    assert!(run.status() < 2, "{}", run.stderr());
+    let page = folder.read("track/report.html");
+    for shown in [run.stdout().as_str(), page.split("<script").next().unwrap()] {
+        assert!(shown.contains("friction of elbow") && !shown.contains("friction_1"), "{shown}");
+    }
+    let sweep = "[sweep.grid]\n'joint_dynamics.coulomb.model' = ['none', 'constant']\n";
+    let text = experiment("joint_names = ['shoulder', 'elbow']", "") + sweep;
+    folder.write("sweep.toml", &text);
+    let shown = folder.aurt("sweep run sweep.toml --out sweep".split(' ')).succeeded().stdout();
+    assert!(shown.contains("elbow") && !shown.contains("joint 1"), "{shown}");
+    let page = folder.read("sweep/report.html");
+    assert!(!page.split("<script").next().unwrap().contains("joint 1"));
+}
+
+#[test]
 fn names_that_cannot_match_are_refused_with_those_of_both_sides() {
     let folder = recorded(&[("a1", Some(0)), ("a2", Some(1))]);
     let run = ["run", "experiment.toml", "--out", "results"];

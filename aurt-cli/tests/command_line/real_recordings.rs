@@ -187,3 +187,20 @@ fn a_check_tells_what_a_motion_leaves_out() {
     assert!(report.contains("48 determined, 0 only in combinations, 0 out of"), "{report}");
     assert!(report.contains("f_dyn_hz = 2.5 under [preprocess]"), "{report}");
 }
+
+/// A trajectory that ran twice, once with a load, is two recordings; one at 500 Hz made from 100 Hz is a copy.
+#[test]
+fn repetitions_are_told_from_copies() {
+    let Some(data) = real_recordings("repetitions_are_told_from_copies") else { return };
+    let folder = Folder::new();
+    let check = |names: [&str; 2]| {
+        folder.aurt(["check".to_owned()].into_iter().chain(names.map(|name| text(&data.join(name)))))
+    };
+    let repeated = check(["ur10e/unloaded_50s.csv", "ur10e/payload_50s.csv"]);
+    assert!(repeated.status() < 2, "{}", repeated.stderr());
+    check(["ur10e/excitation_20s.csv", "ur10e_500hz/validation_8harm.csv"]).refused(&[
+        "excitation_20s.csv",
+        "as every 5th row, the samples of",
+        "validation_8harm.csv",
+    ]);
+}

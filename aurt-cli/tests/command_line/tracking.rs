@@ -68,6 +68,29 @@ fn a_model_of_another_robot_is_refused() {
     refused(&["--model", "was made with the torque constants 11.976", "the experiment has 13"]);
 }
 
+/// What the model was calibrated on is not held out, under another name neither.
+#[test]
+fn a_given_model_is_not_judged_by_its_own_recordings() {
+    let folder = calibrated();
+    folder.write("renamed.csv", &folder.read("exciting_motion.csv"));
+    let text = folder.read("experiment.toml");
+    for part in ["validation", "target"] {
+        let held_out = text.replace("[\"exciting_motion.csv\"]", "[\"other_motion.csv\"]").replace(
+            "validation = [\"other_motion.csv\", \"point_to_point.csv\"]",
+            &format!("{part} = [\"renamed.csv\"]"),
+        );
+        assert!(held_out.contains(&format!("{part} = [\"renamed.csv\"]")), "{held_out}");
+        folder.write("asked.toml", &held_out);
+        let diagnose = ["diagnose", "asked.toml", "--model", "results/rd_calibrated.json", "--out", "out"];
+        folder.aurt(diagnose).refused(&[
+            "renamed.csv",
+            part,
+            "exciting_motion.csv (calibration of the given model)",
+            "not held-out",
+        ]);
+    }
+}
+
 /// Robots of a list, followed one by one and by their numbers, and one table of them.
 #[test]
 fn a_fleet_is_followed_robot_by_robot() {

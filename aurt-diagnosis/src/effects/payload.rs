@@ -32,7 +32,7 @@
 //!   manipulators*.
 //! - S. Mamedov, S. Mikhel (2020), *Practical aspects of model-based collision detection*.
 
-use aurt_calibration::with_deviation;
+use aurt_calibration::{deviation_digits, with_deviation};
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde_json::{Value, json};
 
@@ -138,10 +138,11 @@ fn vector(value: &ParameterValue) -> Option<(Vec<f64>, f64)> {
 /// The first moment of a load whose mass is not determined.
 fn first_moment(parameters: &Parameters) -> Option<String> {
     let (values, std) = vector(parameters.get("first_moment_kg_m")?)?;
-    let values: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
+    let digits = deviation_digits(std);
+    let values: Vec<String> = values.iter().map(|v| format!("{v:.digits$}")).collect();
     std.is_finite().then(|| {
         format!(
-            "first moment [{}] ± {std:.4} kg m in the frame of its joint, z along the axis",
+            "first moment [{}] ± {std:.digits$} kg m in the frame of its joint, z along the axis",
             values.join(", ")
         )
     })
@@ -151,9 +152,10 @@ fn first_moment(parameters: &Parameters) -> Option<String> {
 fn centre(parameters: &Parameters) -> Option<String> {
     let (values, std) = vector(parameters.get("com_m")?)?;
     (std.is_finite() && std <= KNOWN_CENTRE_M).then(|| {
-        let values: Vec<String> = values.iter().map(|v| format!("{v:.3}")).collect();
+        let digits = deviation_digits(std);
+        let values: Vec<String> = values.iter().map(|v| format!("{v:.digits$}")).collect();
         format!(
-            "centre of mass [{}] ± {std:.3} m in the frame of its joint, z along the axis",
+            "centre of mass [{}] ± {std:.digits$} m in the frame of its joint, z along the axis",
             values.join(", ")
         )
     })
@@ -175,7 +177,8 @@ fn excludes(parameters: &Parameters, reach_m: f64) -> Option<String> {
     let (distance_m, std_m) = (length(&com_m.value)?, length(&com_m.std).unwrap_or(0.0));
     (distance_m - 2.0 * std_m > reach_m).then(|| {
         format!(
-            "the centre of mass is {distance_m:.2} ± {std_m:.2} m from the link's frame, and the arm reaches {reach_m:.2} m"
+            "the centre of mass is {} m from the link's frame, and the arm reaches {reach_m:.2} m",
+            with_deviation(distance_m, std_m)
         )
     })
 }

@@ -24,6 +24,7 @@
 //! - A. C. Bittencourt, S. Gunnarsson (2012), *Static friction in a robot joint – modeling and identification
 //!   of load and temperature effects*.
 
+use aurt_calibration::with_deviation;
 use serde_json::json;
 
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
@@ -58,7 +59,7 @@ pub static EFFECT: Effect = Effect {
         // Friction that falls by all of itself in an e-fold would drive the joint.
         let [rate, std] = parameters.get("rate_per_efold")?.number()?;
         (rate + 2.0 * std < -1.0)
-            .then(|| format!("rate_per_efold is {rate:.2} ± {std:.2}: no friction would be left"))
+            .then(|| format!("rate_per_efold is {}: no friction would be left", with_deviation(rate, std)))
     },
     ..Effect::FRICTION
 };

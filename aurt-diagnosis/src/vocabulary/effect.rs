@@ -1,5 +1,6 @@
 //! The descriptor of an effect.
 
+use aurt_calibration::with_deviation;
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::{Deserialize, Serialize};
 
@@ -202,7 +203,7 @@ impl Effect {
         let negative = |p: &Parameter| {
             let [value, std] = parameters.get(p.name)?.number()?;
             (value + 2.0 * std < 0.0)
-                .then(|| format!("{} is {value:.3} ± {std:.3}, and cannot be negative", p.name))
+                .then(|| format!("{} is {}, and cannot be negative", p.name, with_deviation(value, std)))
         };
         let bound = self.parameters.iter().filter(|p| p.never_negative);
         bound.filter_map(negative).next().or_else(|| (self.excludes)(parameters, reach_m))

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::Experiment;
 use crate::workbench::failure::Failure;
 use aurt::{
-    Role,
+    Error, Role,
     data::{Loaded, Preprocessing, Purpose, Source},
+    duplicates::{SampleRegister, UsedSeries},
 };
 use aurt_files::escaped;
 use aurt_plugins::Registry;
@@ -83,20 +84,19 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let arm = arm(known, path)?;
     let mut guesses = Vec::new();
     let mut looked: Vec<Looked> = Vec::new();
+    let mut register = SampleRegister::default();
     for source in &known.recordings {
         let one = look(source, &arm.joints)?;
         guesses.extend(one.inspected.loaded.warnings().map(|w| format!("warning: {w}")));
         guesses.extend(
             one.inspected.stamps.map(|stamps| format!("{}: {stamps}, as was done here", source.label)),
         );
-        if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
-            guesses.push(format!(
-                "{} holds the samples of {} and is left out",
-                source.label,
-                twin.inspected.label()
-            ));
-        } else {
-            looked.push(one);
+        match register.add(&UsedSeries::of(source, &one.inspected.loaded.recording, "recordings")) {
+            Ok(()) => looked.push(one),
+            Err(Error::Repeated { other, likeness, .. }) => {
+                guesses.push(format!("{} {likeness} {} and is left out", source.label, other.display()));
+            }
+            Err(error) => return Err(error.into()),
         }
     }
     let roles = split(&looked, &mut guesses);
@@ -243,11 +243,6 @@ fn look(source: &Source, joints: &RobotJoints) -> Result<Looked, Failure> {
         ..Preprocessing::new(HIGHEST_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * rate_hz))
     };
     Ok(Looked { inspected: Inspected::new(reading, &preprocessing)?, unit_was_guessed })
-}
-
-fn same(a: &Inspected, b: &Inspected) -> bool {
-    let (a, b) = (&a.loaded.recording, &b.loaded.recording);
-    a.position_rad == b.position_rad && a.measurement == b.measurement
 }
 
 /// What moves more calibrates; at least one recording is held out where there are two.

@@ -30,6 +30,9 @@ pub struct Plan {
     pub block_s: f64,
     /// Index of the point that others are compared with, from 0.
     pub reference: usize,
+    /// Names of the joints; empty where they have none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// The points, in order.
     pub points: Vec<PlannedPoint>,
 }
@@ -67,6 +70,10 @@ impl Plan {
             validate: sweep.definition.validate,
             block_s: sweep.definition.block_s,
             reference: sweep.reference,
+            joint_names: sweep
+                .points
+                .first()
+                .map_or_else(Vec::new, |point| point.experiment.robot.robot_joints().names),
             points,
         })
     }

@@ -1,6 +1,6 @@
 //! Points ranked by their errors on what they were not fitted to.
 
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
 use crate::sweep::{
@@ -20,6 +20,9 @@ pub struct Ranking {
     pub rows: Rows,
     /// Unit of the measurement; of the reference, where points differ.
     pub unit: Option<MeasurementUnit>,
+    /// Names of the joints; empty where they have none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// The point that others are compared with.
     pub reference: Option<String>,
     /// What could be judged, best first.
@@ -104,10 +107,12 @@ impl Ranking {
                 None => missing.push(number),
             }
         }
+        let joint_names = plan.joint_names.clone();
         // Where the reference has no result, the first point that has one stands in.
         let at = entries.iter().position(|e| e.number == plan.reference + 1).unwrap_or(0);
         let Some(reference) = entries.get(at) else {
-            return Self { rows, unit: None, reference: None, ranked: Vec::new(), failed, missing };
+            let ranked = Vec::new();
+            return Self { rows, unit: None, joint_names, reference: None, ranked, failed, missing };
         };
         let (unit, name) = (reference.evaluation.unit, reference.name.to_owned());
         let sums = reference.sums.clone();
@@ -115,7 +120,7 @@ impl Ranking {
             entry.score = score(&entry.sums, &sums);
         }
         let ranked = ranked(entries, &sums, unit);
-        Self { rows, unit: Some(unit), reference: Some(name), ranked, failed, missing }
+        Self { rows, unit: Some(unit), joint_names, reference: Some(name), ranked, failed, missing }
     }
 }
 
@@ -188,6 +193,12 @@ fn ranked(mut entries: Vec<Entry<'_>>, reference: &[JointErrors], unit: Measurem
 }
 
 impl Ranking {
+    /// Headings of columns with a value for each joint.
+    pub fn joint_headings(&self) -> impl Iterator<Item = String> + '_ {
+        let joints = self.ranked.first().map_or(0, |r| r.joints.len());
+        (0..joints).map(|joint| RobotNames::of_joints(&self.joint_names).joint(joint))
+    }
+
     /// The table as CSV, one row a point; points that failed have their error in the last column.
     #[must_use]
     pub fn to_csv(&self) -> String {

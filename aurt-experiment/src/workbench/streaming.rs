@@ -6,6 +6,7 @@ use crate::Experiment;
 use aurt::{
     CalibratedModel, Progress, RecordingResult, Role,
     data::Source,
+    duplicates::Likeness,
     fitting::{Job, Outcome},
     origins::{Origins, hash_of_file},
 };
@@ -237,6 +238,7 @@ fn refuse_what_needs_all(job: &Job, assigned: &[(Source, Role)], because: TooLar
                 role: role.name(),
                 other: other.file.clone(),
                 other_role: other_role.name(),
+                likeness: Likeness::Same,
             }
             .into());
         }

@@ -3,5 +3,6 @@
 
 mod any_text;
 mod experiment;
+mod explained;
 mod sweep;
 mod workbench;

@@ -88,7 +88,7 @@ pub enum RobotError {
         known: Box<[String]>,
     },
     /// Several chains, none of which was asked for.
-    #[error("{}: several chains start at `{base}`; choose one by its tip: {}", path.display(), tips.join(", "))]
+    #[error("{}: several chains start at `{base}`; choose one by its tip (`tip`, --tip on the command line): {}", path.display(), tips.join(", "))]
     Tips {
         /// The file.
         path: PathBuf,
@@ -99,7 +99,8 @@ pub enum RobotError {
     },
     /// More joints than any robot has.
     #[error(
-        "{}: {joints} joints move, of at most {most}; choose a part of the robot by `base` and `tip`, `tips` or `joints`", path.display()
+        "{}: {joints} joints move, of at most {most}; choose a part of the robot by `base` and `tip`, `tips` or `joints` \
+         (--base, --tip, --tips on the command line)", path.display()
     )]
     TooManyJoints {
         /// The file.

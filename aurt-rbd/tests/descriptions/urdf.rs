@@ -80,7 +80,7 @@ fn a_chain_is_chosen_by_itself_only_if_there_is_one() {
     let error = gantry(None, None).unwrap_err().to_string();
     assert_eq!(
         error,
-        "gantry.urdf: several chains start at `world`; choose one by its tip: left (5 joints), wrist (4 joints)"
+        "gantry.urdf: several chains start at `world`; choose one by its tip (`tip`, --tip on the command line): left (5 joints), wrist (4 joints)"
     );
     let plain: String = GANTRY.replace("<mimic joint=\"finger_left\"/>", "");
     assert_eq!(tips(&plain, "gantry.urdf", None).unwrap(), ["left", "right"]);

@@ -8,6 +8,8 @@ use crate::branches::{BranchMotion, BranchTrack};
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
 
+/// The way to say which joints of a recording are the robot's.
+const NAMES: &str = "joint_names = [\"shoulder\", \"elbow\"] in an experiment, --joint-names shoulder,elbow on the command line";
 /// Integers beyond this are not all numbers of double precision.
 const EXACT: i64 = 1 << 53;
 /// Messages among which one with efforts is looked for, and bytes that they may take.
@@ -89,17 +91,16 @@ impl<'a> Joints<'a> {
                     "its messages have {} joints, and robots have at most {MOST_OF_ROBOT}",
                     seen.len()
                 );
-                return Err(refuse(reason, "name those of the robot with joint_names".to_owned()));
+                return Err(refuse(reason, format!("name those of the robot: {NAMES}")));
             }
             if let Some(robot) = options.joint_count().filter(|n| *n != seen.len()) {
-                let remedy =
-                    "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
+                let remedy = format!("name those of the robot in its order: {NAMES}");
                 let reason = format!(
                     "its messages have {} joints, the robot has {robot}: {}",
                     seen.len(),
                     seen.join(", ")
                 );
-                return Err(refuse(reason, remedy.to_owned()));
+                return Err(refuse(reason, remedy));
             }
         }
         while joints.placed().is_none() {

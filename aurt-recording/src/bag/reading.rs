@@ -66,7 +66,8 @@ pub(super) fn read(
                     path: path.to_owned(),
                     place: format!("topic {}", topic.name),
                     reason: format!("no message has numbers alone: {of} is NaN"),
-                    remedy: "record what that joint measures, or take a chain without it (tip, joint_names)"
+                    remedy: "record what that joint measures, or take a chain without it (tip and joint_names in an experiment, --tip and \
+                             --joint-names on the command line)"
                         .into(),
                 })
             });

@@ -29,19 +29,33 @@ pub fn terms() -> &'static [Term] {
 }
 
 /// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 12] = [
+const ALIASES: [(&str, &str); 26] = [
+    ("block_s", "sweep"),
+    ("coulomb", "joint_dynamics"),
     ("delay_s", "instrument"),
     ("f_dyn_hz", "f_dyn"),
     ("gains", "instrument"),
     ("gravity_m_s2", "gravity"),
+    ("grid", "sweep"),
+    ("hysteresis", "joint_dynamics"),
+    ("level", "diagnosis"),
     ("libraries", "plugins"),
     ("mdh_rows", "mdh"),
+    ("measurement", "columns"),
     ("not_physical", "unphysical"),
     ("nrmse", "nrms"),
     ("offsets", "instrument"),
+    ("position", "columns"),
     ("prior_weight", "prior"),
+    ("reduction", "diagnosis"),
     ("rest_velocity_rad_s", "rest"),
+    ("tips", "tip"),
     ("torque_constants_nm_per_a", "torque_constants"),
+    ("validate", "sweep"),
+    ("variant", "sweep"),
+    ("velocity", "columns"),
+    ("viscous", "joint_dynamics"),
+    ("zip", "sweep"),
 ];
 
 /// The term of a name.

@@ -13,7 +13,7 @@ use crate::{
         text::{WIDTH, wrapped, wrapped_with},
     },
     words::{
-        Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, nothing, objection,
+        Group, HOW_LARGE, all_indicated, claim, explained, follows, groups, headline, nothing, objection,
         undecidable, visible_gears,
     },
 };
@@ -64,6 +64,9 @@ impl Shown<'_> {
             text.push_str(&wrapped_with(&said, WIDTH, "  + ", "     "));
         }
         self.indications(&mut text);
+        if text.contains('±') {
+            text.push_str(&wrapped("±: one standard deviation"));
+        }
         let warning = style.emphasise(Emphasis::Warning, "warning");
         for w in &verdict.warnings {
             text.push_str(&wrapped(&format!("{warning}: {w}")));
@@ -143,9 +146,9 @@ impl Shown<'_> {
 
     /// The first indications, and how many more there are.
     fn indications(&self, text: &mut String) {
-        let all = &self.verdict.indications;
+        let all = all_indicated(self.verdict, self.asked);
         for indication in all.iter().take(SHOWN_INDICATIONS) {
-            text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
+            text.push_str(&wrapped_with(indication, WIDTH, "  ? ", "     "));
         }
         match all.len().saturating_sub(SHOWN_INDICATIONS) {
             0 => {}
@@ -177,11 +180,11 @@ mod tests {
 
     fn with_indications(count: usize) -> Verdict {
         let mut found = verdict(Answer::NoMismatch, Vec::new(), &[0.1], &[0.1]);
-        let indication = || Indication {
+        let indication = |k: usize| Indication {
             finding: finding("stribeck", Family::F, &[0], &["calibration"]),
-            fails: vec!["it is 1.2 σ from zero".into()],
+            fails: vec![format!("it is 1.{k} σ from zero")],
         };
-        found.indications = (0..count).map(|_| indication()).collect();
+        found.indications = (0..count).map(indication).collect();
         found
     }
 
@@ -198,6 +201,16 @@ mod tests {
             let line = said.lines().map(str::trim).find(|line| line.contains("more indication"));
             assert_eq!(line, more);
         }
+    }
+
+    #[test]
+    fn an_indication_is_told_once() {
+        let mut found = with_indications(2);
+        let again = found.indications[0].clone();
+        found.indications.insert(1, again);
+        let said = text(&found);
+        assert_eq!(said.matches("it is 1.0 σ from zero").count(), 1, "{said}");
+        assert_eq!(said.matches("\n  ? ").count(), 2, "{said}");
     }
 
     #[test]

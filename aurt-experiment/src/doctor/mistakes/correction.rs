@@ -33,7 +33,7 @@ pub fn corrected(
     corrected_stamps(&mut document, experiment, subject);
     for step in &examination.steps {
         if !correct(&mut document, subject, &step.mistake) {
-            left.push(undone(&step.mistake));
+            left.push(undone(&step.mistake, examination.names()));
         }
     }
     Ok((document.to_string(), left))

@@ -1,6 +1,7 @@
 //! How much of each joint's measurement a calibrated model explains.
 
 use aurt::{RecordingResult, Role};
+use aurt_traits::RobotNames;
 
 /// Below this share a joint counts as hardly explained.
 pub(super) const LEAST_EXPLAINED: f64 = 0.5;
@@ -45,7 +46,7 @@ pub fn poorly_explained(recordings: &[RecordingResult]) -> Vec<Poor> {
 
 /// The sentence that says so: `This model explains 4 % of joint 2 (point_to_point.csv)`, or nothing of it.
 #[must_use]
-pub fn loudly(poor: &[Poor]) -> Option<String> {
+pub fn loudly(poor: &[Poor], names: RobotNames<'_>) -> Option<String> {
     if poor.is_empty() {
         return None;
     }
@@ -58,7 +59,7 @@ pub fn loudly(poor: &[Poor]) -> Option<String> {
             } else {
                 format!("{:.0} %", 100.0 * p.explained)
             };
-            format!("{share} of joint {} ({name})", p.joint)
+            format!("{share} of {} ({name})", names.joint(p.joint))
         })
         .collect();
     Some(format!("This model explains {}.", each.join(", ")))

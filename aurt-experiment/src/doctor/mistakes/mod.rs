@@ -30,6 +30,7 @@ use aurt_report::rendering::{
     style::{Emphasis, Style},
     text::wrapped,
 };
+use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 pub use self::{
@@ -55,7 +56,9 @@ use crate::workbench::failure::Failure;
 /// What the doctor found.
 #[derive(Debug, Clone)]
 pub struct Examination {
-    /// How well the setup as it is explains the data; nothing if it allows no fit.
+    /// How well the setup as it is explains the data, without what experiments often leave out; nothing if it allows no fit.
+    pub written: Option<Score>,
+    /// The same with what experiments often leave out, as in all trials.
     pub before: Option<Score>,
     /// How well it does with all mistakes undone.
     pub after: Option<Score>,
@@ -67,7 +70,10 @@ pub struct Examination {
     compares_robots: bool,
     /// Whether the sign of gravity is not to be seen.
     has_open_gravity: bool,
+    /// Whether the experiment has terms beside friction.
+    has_terms: bool,
     files: Vec<String>,
+    joint_names: Vec<String>,
 }
 
 /// Looks for the usual mistakes in a setup.
@@ -123,7 +129,10 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
             Some(GravitySign::Confirmed) | None => {}
         }
     }
+    let own = Bench { arm_terms: subject.arm_terms.clone(), ..bench };
     Ok(Examination {
+        written: own.score(&own.modelled(&brief)),
+        has_terms: !own.arm_terms.is_empty(),
         before: found.before,
         after: found.after,
         steps: found.steps,
@@ -132,10 +141,17 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         compares_robots: subject.compares_robots(),
         has_open_gravity,
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
+        joint_names: subject.joint_names().to_vec(),
     })
 }
 
 impl Examination {
+    /// The joints as people read them.
+    #[must_use]
+    pub fn names(&self) -> RobotNames<'_> {
+        RobotNames::of_joints(&self.joint_names)
+    }
+
     /// What was found, in sentences that say by how much it helps and what to change.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
@@ -143,14 +159,14 @@ impl Examination {
         self.steps
             .iter()
             .zip(before)
-            .map(|(step, before)| wording::sentence(step, before, &self.files))
+            .map(|(step, before)| wording::sentence(step, before, &self.files, self.names()))
             .collect()
     }
 
     /// What undoes each mistake, as orders.
     #[must_use]
     pub fn cures(&self) -> Vec<String> {
-        self.steps.iter().map(|s| wording::undone(&s.mistake)).collect()
+        self.steps.iter().map(|s| wording::undone(&s.mistake, self.names())).collect()
     }
 
     /// What the recordings leave open of the setup, in sentences.
@@ -165,13 +181,14 @@ impl Examination {
     /// A line for people on how well robot and recordings fit.
     #[must_use]
     pub fn summary(&self) -> String {
-        let Some(before) = &self.before else {
+        let Some(written) = &self.written else {
             return "this robot cannot be fitted to these recordings at all".into();
         };
+        let terms = if self.has_terms { " and the terms of the experiment" } else { "" };
         let joints: Vec<String> =
-            before.joints.iter().map(|e| e.map_or_else(|| "–".into(), wording::percent)).collect();
+            written.joints.iter().map(|e| e.map_or_else(|| "–".into(), wording::percent)).collect();
         format!(
-            "held-out error of rigid bodies with plain friction, joint by joint: {} ({} setups tried)",
+            "held-out error of rigid bodies with plain friction{terms}, joint by joint: {} ({} setups tried)",
             joints.join(", "),
             self.trials
         )
@@ -197,20 +214,21 @@ impl Examination {
     pub fn to_json(&self) -> Value {
         let score = |s: &Score| json!({ "error": s.total, "joints": s.joints });
         json!({
+            "written": self.written.as_ref().map(score),
             "before": self.before.as_ref().map(score),
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
             "doubt": self.hardly(),
             "remarks": self.remarks(),
             "compared": self.compared.iter().map(|c| json!({
-                "change": wording::undone(&c.mistake),
+                "change": wording::undone(&c.mistake, self.names()),
                 "across": c.across.to_json(),
                 "within": c.within.map(|w| w.to_json()),
                 "errors": c.errors,
             })).collect::<Vec<_>>(),
             "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
                 "sentence": sentence,
-                "change": wording::undone(&step.mistake),
+                "change": wording::undone(&step.mistake, self.names()),
                 "error": step.after.total,
             })).collect::<Vec<_>>(),
         })
@@ -224,7 +242,7 @@ impl Examination {
         if self.compares_robots {
             "no common mistake explains more"
         } else {
-            "no common mistake explains much more; to detect wrong zeros and tables, torque constants are needed"
+            "no common mistake explains much more; to detect wrong zeros and geometries, torque constants are needed"
         }
     }
 }
@@ -246,7 +264,7 @@ impl Examination {
     pub fn hardly(&self) -> Option<String> {
         let Some(score) = &self.after else {
             return Some(
-                "No common mistake explains it: check that table and recordings are of the same robot, and the \
+                "No common mistake explains it: check that geometry and recordings are of the same robot, and the \
                  stamps."
                     .into(),
             );
@@ -255,26 +273,25 @@ impl Examination {
             .of_moving()
             .map(|(j, e)| (j, (1.0 - e * e).max(0.0)))
             .filter(|(_, e)| *e < HARDLY)
-            .map(|(j, e)| format!("{:.0} % of joint {j}", 100.0 * e))
+            .map(|(j, e)| format!("{:.0} % of {}", 100.0 * e, self.names().joint(j)))
             .collect();
-        let fed: Vec<String> =
-            (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();
+        let fed: Vec<usize> = (0..score.fed.len()).filter(|j| score.fed[*j]).collect();
         let mut said = Vec::new();
         if !poor.is_empty() {
             said.push(format!(
-                "Rigid bodies with plain friction explain {}, and no common mistake explains more: check that table and \
+                "Rigid bodies with plain friction explain {}, and no common mistake explains more: check that geometry and \
                  recordings are of the same robot, and what is measured.",
                 poor.join(", ")
             ));
         }
         if !fed.is_empty() {
-            let (joints, what) = match fed.len() {
-                1 => ("joint", "sign of its position and measurement"),
-                _ => ("joints", "signs of their positions and measurements"),
+            let what = match fed.len() {
+                1 => "sign of its position and measurement",
+                _ => "signs of their positions and measurements",
             };
             said.push(format!(
-                "The friction that fits {joints} {} gives power instead of taking it: check the {what}.",
-                fed.join(", ")
+                "The friction that fits {} gives power instead of taking it: check the {what}.",
+                self.names().joint_list(&fed)
             ));
         }
         (!said.is_empty()).then(|| said.join(" "))

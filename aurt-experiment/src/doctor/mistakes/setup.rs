@@ -148,6 +148,11 @@ impl Subject {
         !self.recordings.iter().any(is_current)
     }
 
+    /// Names of the joints; empty where they have none.
+    pub(super) fn joint_names(&self) -> &[String] {
+        self.recordings.first().map_or(&[], |assigned| assigned.loaded.recording.joints.names())
+    }
+
     /// Number of joints that move on their own.
     pub(super) fn moving_joints(&self) -> usize {
         moving_joints(&self.joints, &self.couplings)

@@ -2,6 +2,7 @@
 
 use aurt_rbd::MdhRows;
 use aurt_report::rendering::number::significant;
+use aurt_traits::RobotNames;
 
 use super::{
     mistake::{Columns, Mistake, Reading, Table},
@@ -19,8 +20,8 @@ pub fn percent(error: f64) -> String {
 }
 
 /// What a step found, by how much it helps, and what to change.
-pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String {
-    let seems = seems(&step.mistake, files);
+pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: RobotNames<'_>) -> String {
+    let seems = seems(&step.mistake, files, names);
     let of_total = || {
         before.map_or_else(
             || {
@@ -37,7 +38,7 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String
         let less = 100.0 * (1.0 - factor);
         format!("where joints move, recordings are predicted from each other with an error that is {less:.0} % smaller")
     });
-    let mut alike: Vec<String> = step.alike.iter().take(TOLD).map(undone).collect();
+    let mut alike: Vec<String> = step.alike.iter().take(TOLD).map(|other| undone(other, names)).collect();
     if step.alike.len() > TOLD {
         alike.push(format!("{} more", step.alike.len() - TOLD));
     }
@@ -46,7 +47,7 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String
     } else {
         format!(" As well explained by: {}.", alike.join("; "))
     };
-    format!("{seems}: {error}. {}.{or}", capital(&undone(&step.mistake)))
+    format!("{seems}: {error}. {}.{or}", capital(&undone(&step.mistake, names)))
 }
 
 fn capital(text: &str) -> String {
@@ -67,7 +68,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// What seems to be the case, as a sentence without its full stop.
-fn seems(mistake: &Mistake, files: &[String]) -> String {
+fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
     match mistake {
         Mistake::Gravity { to_m_s2 } => match axis(*to_m_s2) {
             Some(axis) => format!("Gravity seems to point along {axis}"),
@@ -86,7 +87,11 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
             Table::Mirrored => "The column alpha of the table seems to have the other sign".into(),
             Table::Known(name) => format!("The robot seems to be a {name}"),
             Table::Zero { joint, offset_rad } => {
-                format!("The zero of joint {joint} seems to lie {:.0}° off", offset_rad.to_degrees())
+                format!(
+                    "The zero of {} seems to lie {:.0}° off",
+                    names.joint(*joint),
+                    offset_rad.to_degrees()
+                )
             }
         },
         Mistake::Reading { what, file } => {
@@ -101,17 +106,17 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
                     )
                 }
                 Reading::PositionSign(joint) => {
-                    format!("The position of joint {joint}{of} seems to have the other sign")
+                    format!("The position of {}{of} seems to have the other sign", names.joint(*joint))
                 }
                 Reading::MeasurementSign(joint) => {
-                    format!("The measurement of joint {joint}{of} seems to have the other sign")
+                    format!("The measurement of {}{of} seems to have the other sign", names.joint(*joint))
                 }
                 Reading::AllMeasurementSigns => format!("All measurements{of} seem to have the other sign"),
                 Reading::Order { of: columns, order } => {
                     format!(
                         "The {}{of} seem to stand in another order, {}",
                         columns_of(*columns),
-                        permutation(order)
+                        permutation(order, names)
                     )
                 }
                 Reading::Delay(delay) if *delay > 0.0 => {
@@ -127,12 +132,13 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
                     )
                 }
                 Reading::Gain { joint, factor } => format!(
-                    "The measurement of joint {joint}{of} seems to be {} too {}",
+                    "The measurement of {}{of} seems to be {} too {}",
+                    names.joint(*joint),
                     times(if *factor < 1.0 { 1.0 / factor } else { *factor }),
                     if *factor < 1.0 { "large" } else { "small" }
                 ),
-                Reading::Constants { joints: [a, b], .. } => {
-                    format!("The torque constants of joints {a} and {b} seem to be exchanged")
+                Reading::Constants { joints, .. } => {
+                    format!("The torque constants of {} seem to be exchanged", names.joint_list(joints))
                 }
             }
         }
@@ -140,7 +146,7 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
 }
 
 /// What to do about it, as an order without its full stop.
-pub fn undone(mistake: &Mistake) -> String {
+pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
     match mistake {
         Mistake::Gravity { to_m_s2 } => format!("change `gravity_m_s2` to {}", list(to_m_s2)),
         Mistake::Geometry { what, .. } => match what {
@@ -165,11 +171,12 @@ pub fn undone(mistake: &Mistake) -> String {
             }
             Reading::PositionSign(joint) => {
                 format!(
-                    "write a `gear_ratio` of -1 for joint {joint} in `[recordings]`, or `sign` -1 in its row of the table"
+                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or `sign` -1 in its row of an MDH table",
+                    names.joint(*joint)
                 )
             }
             Reading::MeasurementSign(joint) => {
-                format!("write a gain of -1 for joint {joint} as `gains` of `[instrument]`")
+                format!("write a gain of -1 for {} as `gains` of `[instrument]`", names.joint(*joint))
             }
             Reading::AllMeasurementSigns => {
                 "write gains of -1 for all joints as `gains` of `[instrument]`".into()
@@ -192,12 +199,14 @@ pub fn undone(mistake: &Mistake) -> String {
             ),
             Reading::Gain { joint, factor } => {
                 format!(
-                    "write a gain of {} for joint {joint} as `gains` of `[instrument]`, or correct its torque constant",
-                    number(*factor)
+                    "write a gain of {} for {} as `gains` of `[instrument]`, or correct its torque constant",
+                    number(*factor),
+                    names.joint(*joint)
                 )
             }
-            Reading::Constants { joints: [a, b], .. } => {
-                format!("exchange the torque constants of joints {a} and {b} in `torque_constants_nm_per_a`")
+            Reading::Constants { joints, .. } => {
+                let joints = names.joint_list(joints);
+                format!("exchange the torque constants of {joints} in `torque_constants_nm_per_a`")
             }
         },
     }
@@ -211,10 +220,10 @@ fn columns_of(columns: Columns) -> &'static str {
     }
 }
 
-fn permutation(order: &[usize]) -> String {
+fn permutation(order: &[usize], names: RobotNames<'_>) -> String {
     let moved: Vec<usize> = (0..order.len()).filter(|j| order[*j] != *j).collect();
     match moved[..] {
-        [a, b] => format!("joints {a} and {b} exchanged"),
+        [_, _] => format!("{} exchanged", names.joint_list(&moved)),
         _ if order.iter().rev().copied().eq(0..order.len()) => "tip first".into(),
         _ if order.first() == Some(&1) => "the last joint first".into(),
         _ => "the first joint last".into(),
@@ -230,4 +239,26 @@ fn axis(vector: [f64; 3]) -> Option<String> {
     let along: Vec<usize> = (0..3).filter(|k| vector[*k] != 0.0).collect();
     let [one] = along[..] else { return None };
     Some(format!("{}{}", if vector[one] > 0.0 { '+' } else { '-' }, ["x", "y", "z"][one]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_with_names_are_called_by_them() {
+        let own = ["base", "elbow", "wrist"].map(str::to_owned);
+        let names = RobotNames::of_joints(&own);
+        let reading = |what| Mistake::Reading { what, file: None };
+        for (what, seen, cure) in [
+            (Reading::PositionSign(1), "The position of elbow seems", "-1 for elbow"),
+            (Reading::Gain { joint: 2, factor: 2.0 }, "The measurement of wrist seems", "for wrist as"),
+        ] {
+            let (said, order) =
+                (seems(&reading(what.clone()), &[], names), undone(&reading(what.clone()), names));
+            assert!(said.contains(seen) && order.contains(cure), "{said} {order}");
+            let nameless = seems(&reading(what), &[], RobotNames::default());
+            assert!(nameless.contains("of joint "), "{nameless}");
+        }
+    }
 }

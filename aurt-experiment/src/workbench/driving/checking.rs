@@ -4,7 +4,10 @@ use std::fmt::Write;
 
 use crate::Experiment;
 use aurt::Progress;
-use aurt_calibration::drives::{DriveRecording, OutputErrorFit, Selection, output_error, stem};
+use aurt_calibration::{
+    drives::{DriveRecording, OutputErrorFit, Selection, output_error, stem},
+    with_deviation,
+};
 use aurt_diagnosis::drives::{Missed, compare};
 use aurt_traits::CommandSignal;
 use serde_json::json;
@@ -76,7 +79,7 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
     for (name, fit, missed) in &tried {
         let delay = fit.numbers.iter().find(|n| stem(&n.name) == "delay_s");
         let delay = delay.map_or_else(String::new, |d| {
-            format!(", {} {:.2} ± {:.2} ms", d.name, 1e3 * d.value, 1e3 * d.deviation)
+            format!(", {} {} ms", d.name, with_deviation(1e3 * d.value, 1e3 * d.deviation))
         });
         let _ = writeln!(
             text,

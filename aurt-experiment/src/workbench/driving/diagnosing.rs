@@ -4,16 +4,20 @@ use std::fmt::Write;
 
 use crate::Experiment;
 use aurt::Progress;
-use aurt_calibration::drives::{DriveRecording, Options};
+use aurt_calibration::{
+    drives::{DriveRecording, Options},
+    with_deviation,
+};
 use aurt_diagnosis::drives::{
     Answer, Comparison, Demands, Diagnosis, Finding, Objection, Structure, deciders, diagnose, is_beyond,
 };
 use aurt_diagnosis::{Remainder, Rest};
 use aurt_files::output::pretty;
+use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, doubts_of, of_drive, options_of, read_all,
+    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, doubts_of, of_drive, of_joint, options_of, read_all,
     rival::rests, warnings, without_drive,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
@@ -68,18 +72,24 @@ pub fn diagnose_drives(
         &fitted.iter().zip(rolled(&fitted)?).collect::<Vec<_>>(),
         &held_out.iter().zip(rolled(&held_out)?).collect::<Vec<_>>(),
     );
-    let said =
-        Said { found: &found, rests: &rests, options: &options, notes: &notes, recordings: &recordings };
-    let names = experiment.robot.robot_joints().names;
-    let improved = CalibratedDrive { drive_schema: 1, joint_names: names, arm: found.improved.arm.clone() };
-    let improved = serde_json::to_value(&improved)
+    let joint_names = experiment.robot.robot_joints().names;
+    let improved = CalibratedDrive { drive_schema: 1, joint_names, arm: found.improved.arm.clone() };
+    let said = Said {
+        found: &found,
+        rests: &rests,
+        options: &options,
+        notes: &notes,
+        recordings: &recordings,
+        names: improved.names(),
+    };
+    let saved = serde_json::to_value(&improved)
         .map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     let mut json = said.to_json(&demands);
     json["warnings"] = json!(doubts_of(&recordings));
     let files = vec![
         ("verdict.json".to_owned(), pretty(&json).into_bytes()),
         ("structures.csv".to_owned(), said.table().into_bytes()),
-        (IMPROVED_DRIVE_FILE.to_owned(), pretty(&improved).into_bytes()),
+        (IMPROVED_DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()),
     ];
     let doubts = doubts_of(&recordings);
     let findings = said.verdict() != "no_mismatch" || !doubts.is_empty();
@@ -110,6 +120,7 @@ struct Said<'a> {
     options: &'a Options,
     notes: &'a [String],
     recordings: &'a [Read],
+    names: RobotNames<'a>,
 }
 
 impl Said<'_> {
@@ -164,7 +175,7 @@ impl Said<'_> {
                 "\n{title}\n  {:24} {:>8} {:>8} {:>7} {:>17} {:>8} {:>9}\n",
                 "", "rms with", "without", "error", "nats/s", "p", "blocks"
             );
-            own.iter().for_each(|f| line(f, demands, &mut text));
+            own.iter().for_each(|f| line(f, demands, self.names, &mut text));
         }
         if !self.found.improved.undetermined.is_empty() {
             text.push_str("\nleft open by these recordings\n");
@@ -194,8 +205,8 @@ impl Said<'_> {
             };
             let _ = writeln!(
                 text,
-                "  joint {}: rms {:.2}e-3, {predicted}{follows}",
-                rest.joint,
+                "  {}: rms {:.2}e-3, {predicted}{follows}",
+                self.names.joint(rest.joint),
                 1e3 * after.rms_rad[rest.joint]
             );
         }
@@ -294,7 +305,7 @@ fn reason(objection: Objection, c: &Comparison, demands: &Demands) -> String {
 }
 
 /// A structure with its evidence, then its numbers, or why it is not supported.
-fn line(f: &Finding, demands: &Demands, text: &mut String) {
+fn line(f: &Finding, demands: &Demands, names: RobotNames<'_>, text: &mut String) {
     let c = &f.comparison;
     let [with, without] = c.rms_rad.map(|r| 1e3 * r);
     let own = if f.is_in_model || f.answer == Answer::Missing { "" } else { " (not in the model)" };
@@ -317,7 +328,8 @@ fn line(f: &Finding, demands: &Demands, text: &mut String) {
         f.numbers.iter().filter(|n| is_beyond(structure, n, f.answer == Answer::Wrong)).collect::<Vec<_>>()
     };
     for n in shown(&f.structure) {
-        let _ = writeln!(text, "      {} {:.4} ± {:.4} {}", n.name, n.value, n.deviation, n.unit);
+        let (name, value) = (of_joint(&n.name, names), with_deviation(n.value, n.deviation));
+        let _ = writeln!(text, "      {name} {value} {}", n.unit);
     }
     if !f.alternatives.is_empty() {
         let _ = writeln!(

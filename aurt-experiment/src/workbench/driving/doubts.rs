@@ -1,7 +1,7 @@
 //! What commands and positions cannot be, or cannot tell, and what speaks against a model of them.
 
 use aurt_calibration::drives::{DriveRecording, DrivenArm};
-use aurt_traits::{Command, CommandSignal};
+use aurt_traits::{Command, CommandSignal, RobotNames};
 
 use super::Judged;
 
@@ -12,7 +12,7 @@ const SHIFTS_S: f64 = 1.0;
 const LONGEST_LAG_S: f64 = 0.5;
 
 /// Currents without sign, which no drive can be estimated from.
-pub(super) fn unsigned(recording: &DriveRecording, arm: &DrivenArm) -> Option<String> {
+pub(super) fn unsigned(recording: &DriveRecording, arm: &DrivenArm, names: RobotNames<'_>) -> Option<String> {
     let both_ways = |q: &[f64]| {
         let travels = |sign: f64| {
             let mut low = f64::INFINITY;
@@ -30,23 +30,31 @@ pub(super) fn unsigned(recording: &DriveRecording, arm: &DrivenArm) -> Option<St
             let of_current = arm.joints[*j].drive.command() == Command::Current;
             of_current && one_sign && both_ways(&recording.position_rad[*j])
         })
-        .map(|j| format!("the current of joint {j} is never negative, and the joint moves both ways: its sign is not recorded"))
+        .map(|j| {
+            let joint = names.joint(j);
+            format!("the current of {joint} is never negative, and the joint moves both ways: its sign is not recorded")
+        })
 }
 
 /// What a person should know of a recording of position commands.
-pub(super) fn doubts(recording: &DriveRecording, signal: CommandSignal) -> Vec<String> {
+pub(super) fn doubts(
+    recording: &DriveRecording,
+    signal: CommandSignal,
+    names: RobotNames<'_>,
+) -> Vec<String> {
     let travel = |s: &Vec<f64>| {
         let (low, high) =
             s.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         high - low
     };
-    let mut said = exchanged(recording);
+    let mut said = exchanged(recording, names);
     for (j, (command, position)) in recording.command.iter().zip(&recording.position_rad).enumerate() {
         let [asked, done] = [command, position].map(travel);
         if asked > RESTS_RAD && done <= RESTS_RAD {
             said.push(format!(
-                "joint {j} never moves while its command varies by {asked:.4} rad: it does not leave its dead band and dry friction, and \
-                 nothing of its drive is determined; record larger commands"
+                "{} never moves while its command varies by {asked:.4} rad: it does not leave its dead band and dry friction, and \
+                 nothing of its drive is determined; record larger commands",
+                names.joint(j)
             ));
         }
     }
@@ -126,15 +134,16 @@ fn apart(recording: &DriveRecording, shift: i64, most: i64) -> f64 {
 }
 
 /// Joints of which a rollout explains less than half, or which the command itself meets better.
-pub(super) fn of_rollouts(judged: &[Judged], deviation_rad: f64) -> Vec<String> {
+pub(super) fn of_rollouts(judged: &[Judged], deviation_rad: f64, names: RobotNames<'_>) -> Vec<String> {
     let mut doubts = Vec::new();
     for recording in judged {
         for (joint, (rms, spread)) in recording.rms.iter().zip(&recording.spread).enumerate() {
             let explained = 1.0 - (rms / spread).powi(2);
             if *spread > deviation_rad && explained < 0.5 {
                 doubts.push(format!(
-                    "the model explains {:.0} % of joint {joint} ({}): check signs, units and the order of columns",
+                    "the model explains {:.0} % of {} ({}): check signs, units and the order of columns",
                     100.0 * explained.max(0.0),
+                    names.joint(joint),
                     recording.label
                 ));
             }
@@ -153,7 +162,7 @@ pub(super) fn of_rollouts(judged: &[Judged], deviation_rad: f64) -> Vec<String> 
 }
 
 /// Joints that do not follow the position that they are told at any lag: the other sign, or another joint's command.
-fn exchanged(recording: &DriveRecording) -> Vec<String> {
+fn exchanged(recording: &DriveRecording, names: RobotNames<'_>) -> Vec<String> {
     let mut said = Vec::new();
     let n = recording.time_s.len();
     let lasts_s =
@@ -169,10 +178,15 @@ fn exchanged(recording: &DriveRecording) -> Vec<String> {
         let others = (0..follows.len()).filter(|k| *k != joint);
         let other = others.max_by(|a, b| follows[*a].total_cmp(&follows[*b]));
         if own < -HALF {
-            said.push(format!("joint {joint} moves against its command: one of them has the other sign"));
+            said.push(format!(
+                "{} moves against its command: one of them has the other sign",
+                names.joint(joint)
+            ));
         } else if let Some(other) = other.filter(|k| own < HALF && follows[*k] > HALF) {
             said.push(format!(
-                "joint {joint} follows the command of joint {other} and not its own: columns may be exchanged"
+                "{} follows the command of {} and not its own: columns may be exchanged",
+                names.joint(joint),
+                names.joint(other)
             ));
         }
     }
@@ -212,7 +226,8 @@ mod tests {
 
     #[test]
     fn joints_that_rest_and_clocks_that_differ_are_told() {
-        let doubts = |recording: &DriveRecording| doubts(recording, CommandSignal::Linear);
+        let doubts =
+            |recording: &DriveRecording| doubts(recording, CommandSignal::Linear, RobotNames::default());
         assert!(doubts(&recording(4, 1.0)).is_empty());
         assert!(doubts(&recording(40, 1.0))[0].contains("follow their commands by 0.80 s"));
         let mut early = recording(30, 1.0);
@@ -223,7 +238,7 @@ mod tests {
         let mut slow = recording(4, 1.0);
         slow.command[0] = (0..600).map(|k| slow.command[0][k / 5 * 5]).collect();
         assert!(doubts(&slow)[0].contains("every 5.0th row") && doubts(&slow)[0].contains("hold"));
-        assert!(super::doubts(&slow, CommandSignal::Hold).is_empty());
+        assert!(super::doubts(&slow, CommandSignal::Hold, RobotNames::default()).is_empty());
     }
 
     #[test]
@@ -246,7 +261,10 @@ mod tests {
             let command = command.map(Clone::clone).to_vec();
             let position_rad = vec![a.clone(), b.clone()];
             let time_s = (0..400).map(|k| 0.02 * f64::from(k)).collect();
-            exchanged(&DriveRecording { time_s, command, position_rad, ..DriveRecording::default() })
+            exchanged(
+                &DriveRecording { time_s, command, position_rad, ..DriveRecording::default() },
+                RobotNames::default(),
+            )
         };
         assert_eq!(told([&a, &b]), [""; 0]);
         let exchanged = told([&b, &a]);

@@ -24,6 +24,7 @@ impl CalibratedDrive {
         let mut joints = Vec::new();
         for (j, (joint, link)) in arm.joints.iter().zip(links).enumerate() {
             let mechanics = &joint.mechanics;
+            let joint_name = self.names().joint(j);
             link.iter_mut().for_each(|p| *p *= mechanics.mass_scale);
             let numbers = joint.drive.parameters();
             let of = |key: &str| numbers.iter().find(|p| p.parameter.name == key).map(|p| p.value);
@@ -41,14 +42,16 @@ impl CalibratedDrive {
             let stops = [mechanics.lower_stop_rad, mechanics.upper_stop_rad];
             for (key, unit) in [("dead_band_rad", "rad"), ("integral_nm_per_rad_s", "Nm/(rad s)")] {
                 lost.extend(
-                    Some(get(key)).filter(|v| *v != 0.0).map(|v| format!("joint {j}: {key} {v:.4} {unit}")),
+                    Some(get(key))
+                        .filter(|v| *v != 0.0)
+                        .map(|v| format!("{joint_name}: {key} {v:.4} {unit}")),
                 );
             }
             for (key, value) in [
                 ("viscous_asymmetry_nm_s_per_rad", mechanics.viscous_asymmetry_nm_s_per_rad),
                 ("position_offset_rad, to be added to recorded positions", mechanics.position_offset_rad),
             ] {
-                lost.extend(Some(value).filter(|v| *v != 0.0).map(|v| format!("joint {j}: {key} {v:.4}")));
+                lost.extend(Some(value).filter(|v| *v != 0.0).map(|v| format!("{joint_name}: {key} {v:.4}")));
             }
             joints.push(DrivenJoint {
                 armature: mechanics.rotor_inertia_kg_m2,

@@ -9,12 +9,14 @@ use aurt::{
     duplicates::{SampleRegister, UsedSeries},
 };
 use aurt_calibration::drives::{
-    DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error,
+    DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error, stem,
 };
+use aurt_calibration::with_deviation;
 use aurt_files::output::pretty;
 use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, RobotDescription};
 use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
-use aurt_traits::{Command, MeasurementUnit};
+use aurt_report::rendering::{table::Table, text::wrapped};
+use aurt_traits::{Command, MeasurementUnit, RobotNames};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -66,6 +68,12 @@ impl CalibratedDrive {
         }
         read.arm.validate().map_err(|e| unfit(e.to_string()))?;
         Ok(Some(read))
+    }
+
+    /// The joints as people read them.
+    #[must_use]
+    pub fn names(&self) -> RobotNames<'_> {
+        RobotNames::of_joints(&self.joint_names)
     }
 
     /// The joints that recordings of it have.
@@ -158,9 +166,9 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
         serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
     let mut doubts = doubts_of(&recordings);
-    doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad));
+    doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad, model.names()));
     outcome.findings = !doubts.is_empty();
-    outcome.text = text(&fit, &judged, &notes) + &warnings(&doubts);
+    outcome.text = text(&fit, &judged, &notes, model.names()) + &warnings(&doubts);
     outcome.json = to_json(&fit, &judged, &notes);
     outcome.json["warnings"] = json!(doubts);
     outcome.files.push(("metrics.json".to_owned(), pretty(&outcome.json).into_bytes()));
@@ -189,8 +197,9 @@ fn read_all(
         samples.add(&UsedSeries {
             label: &read.label,
             role: role.name(),
-            position: &read.recording.position_rad,
-            measured: &read.recording.command,
+            time_s: &read.recording.time_s,
+            motion: &read.recording.command,
+            measured: &read.recording.position_rad,
             rows: 0..read.recording.time_s.len(),
         })?;
         recordings.push(Read { held_out, ..read });
@@ -282,12 +291,13 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     recording
         .check(joints.count, 0)
         .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
-    if let Some(reason) = doubts::unsigned(&recording, arm) {
+    let names = RobotNames::of_joints(&joints.names);
+    if let Some(reason) = doubts::unsigned(&recording, arm, names) {
         let remedy = "log currents with their sign, or use the model of the command that the drive follows";
         return Err(Failure::unfit(&loaded.source.file, reason, remedy));
     }
     let notes = loaded.recording.report.notes();
-    let doubts = if follows { doubts::doubts(&recording, arm.command) } else { Vec::new() };
+    let doubts = if follows { doubts::doubts(&recording, arm.command, names) } else { Vec::new() };
     Ok(Read {
         label: loaded.source.label,
         file: loaded.source.file,
@@ -399,21 +409,35 @@ fn together(judged: &[Judged], held_out: bool, of: impl Fn(&Judged) -> Option<f6
     squares.filter(|_| samples > 0).map(|s| (s / samples as f64).sqrt())
 }
 
-fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> String {
-    let mut text = String::from("estimated from commands and positions by output error\n");
-    for number in &fit.numbers {
-        let bound = if number.at_bound { "  at its bound" } else { "" };
-        let _ = writeln!(
-            text,
-            "  {:36} {:>12.5} ± {:<10.5} {}{bound}",
-            number.name, number.value, number.deviation, number.unit
-        );
+/// The name of a number of a drive, which ends with its joint, with the name of that: `gain_nm_per_rad of elbow`.
+fn of_joint(number: &str, names: RobotNames<'_>) -> String {
+    let key = stem(number);
+    let joint = number[key.len()..].strip_prefix('_').and_then(|joint| joint.parse::<usize>().ok());
+    match joint.filter(|joint| *joint < names.joints.len()) {
+        Some(joint) => format!("{key} of {}", names.joint(joint)),
+        None => number.to_owned(),
     }
+}
+
+fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String], names: RobotNames<'_>) -> String {
+    let mut text =
+        String::from("estimated from commands and positions by output error, with one standard deviation\n");
+    let mut table = Table::new(["number", "value", "unit", ""]).left(1).remark();
+    for number in &fit.numbers {
+        let bound = if number.at_bound { "at its bound" } else { "" };
+        let value = with_deviation(number.value, number.deviation);
+        table.row([of_joint(&number.name, names), value, number.unit.to_string(), bound.to_owned()]);
+    }
+    text.push_str(&table.render());
     if !fit.undetermined.is_empty() {
         text.push_str("\nleft open by these recordings\n");
         fit.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
     }
     text.push_str("\nrollout from the command alone, rms of the position by joint in 1e-3 rad or mm\n");
+    if !names.joints.is_empty() {
+        let joints: Vec<usize> = (0..names.joints.len()).collect();
+        text.push_str(&wrapped(&format!("joints in this order: {}", names.joint_list(&joints))));
+    }
     for recording in judged {
         let kind = if recording.held_out { "held-out" } else { "fitted" };
         let rms: String = recording.rms.iter().map(|r| format!("{:8.2}", 1e3 * r)).collect();

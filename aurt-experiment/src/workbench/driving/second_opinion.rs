@@ -8,14 +8,16 @@ use aurt_calibration::drives::{
     Absorbed, DriveRecording, DrivenArm, EstimatedNumber, Mechanics, OutputErrorFit, Selection, absorbed,
     output_error, stem,
 };
+use aurt_calibration::with_deviation;
 use aurt_diagnosis::drives::{Missed, STRUCTURES, Structure, compare, deciders};
 use aurt_files::output::pretty;
 use aurt_friction::drives::{PdLaw, PositionServo};
+use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    DriveOutcome, arm_of, doubts_of, fits, follows_positions, of_drive, options_of, read_all, warnings,
-    without_drive,
+    DriveOutcome, arm_of, doubts_of, fits, follows_positions, of_drive, of_joint, options_of, read_all,
+    warnings, without_drive,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 
@@ -83,7 +85,9 @@ pub fn second_opinion(
             remedy,
         ));
     }
-    let fit = fits::read(file, &experiment.robot.robot_joints())?;
+    let robot_joints = experiment.robot.robot_joints();
+    let names = RobotNames::of_joints(&robot_joints.names);
+    let fit = fits::read(file, &robot_joints)?;
     let recordings = read_all(experiment, &arm, &mut notes, progress)?;
     let of = |held_out: bool| -> Vec<DriveRecording> {
         recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
@@ -97,7 +101,7 @@ pub fn second_opinion(
     let failed = |error| of_drive(&error, experiment, &recordings);
     progress.step("the experiment's own model");
     let own = output_error(&arm, &drive.selection, &fitted, &options).map_err(failed)?;
-    let (given, more_lost) = given(&own.arm, &fit.joints);
+    let (given, more_lost) = given(&own.arm, &fit.joints, names);
     given.validate().map_err(|e| Failure::unfit(file, e.to_string(), "correct the number; units are SI"))?;
     progress.step("the fit's own numbers, estimated again");
     let (start, selection_again) = again(&given, &own.arm, &arm, &drive.selection);
@@ -125,6 +129,7 @@ pub fn second_opinion(
         numbers: numbers(&given, &again, &own.arm, &parts),
         again: &again,
         notes: &notes,
+        names,
     };
     let json = said.to_json(&doubts);
     Ok(DriveOutcome {
@@ -136,7 +141,11 @@ pub fn second_opinion(
 }
 
 /// The arm with the drives of a fit in the surroundings of `own`, and what its kind of drive has no number for.
-fn given(own: &DrivenArm, joints: &[(PositionServo, Mechanics)]) -> (DrivenArm, Vec<String>) {
+fn given(
+    own: &DrivenArm,
+    joints: &[(PositionServo, Mechanics)],
+    names: RobotNames<'_>,
+) -> (DrivenArm, Vec<String>) {
     let (mut arm, mut lost) = (own.clone(), Vec::new());
     for (j, (joint, (servo, mechanics))) in arm.joints.iter_mut().zip(joints).enumerate() {
         let around = joint.mechanics;
@@ -158,7 +167,8 @@ fn given(own: &DrivenArm, joints: &[(PositionServo, Mechanics)]) -> (DrivenArm, 
             });
             if servo.speed_limit_rad_s < 1e9 {
                 lost.push(format!(
-                    "joint {j}: the speed limit {:.3} rad/s has no place in a pd_law",
+                    "{}: the speed limit {:.3} rad/s has no place in a pd_law",
+                    names.joint(j),
                     servo.speed_limit_rad_s
                 ));
             }
@@ -264,17 +274,20 @@ fn command_rms(recordings: &[DriveRecording]) -> f64 {
 }
 
 /// What a number of the fit stands for, in words.
-fn sentence(n: &Number<'_>, parts: &[&Part]) -> String {
+fn sentence(n: &Number<'_>, parts: &[&Part], names: RobotNames<'_>) -> String {
     let list = |along: bool| -> Vec<String> {
         let own = parts.iter().filter(|p| (p.3 * n.change() > 0.0) == along);
-        own.map(|(s, name, value, change)| format!("{} ({name} {value:.4}): {change:+.4}", s.title)).collect()
+        own.map(|(s, name, value, change)| {
+            format!("{} ({} {value:.4}): {change:+.4}", s.title, of_joint(name, names))
+        })
+        .collect()
     };
     let said = match (n.not_split().abs() <= 0.5 * n.change().abs(), list(true), list(false)) {
         (false, ..) => "its change is not split: linear parts miss more than half of it".to_owned(),
         (true, along, against) if against.is_empty() => format!("it stands for {}", along.join(", ")),
         (true, along, against) => format!("it stands for {}, less {}", along.join(", "), against.join(", ")),
     };
-    let (name, value, unit) = (&n.again.name, n.again.value, &n.again.unit);
+    let (name, value, unit) = (of_joint(&n.again.name, names), n.again.value, &n.again.unit);
     format!(
         "{name} {value:.4} {unit}, {:.4} in the own model: {said}; not split {:+.4}",
         n.full,
@@ -291,6 +304,7 @@ struct Said<'a> {
     numbers: Vec<Number<'a>>,
     again: &'a OutputErrorFit,
     notes: &'a [String],
+    names: RobotNames<'a>,
 }
 
 /// Parts of a change that are smaller than this of the largest are not said in words.
@@ -346,13 +360,17 @@ impl Said<'_> {
             };
             let _ = writeln!(
                 text,
-                "  {:32} {:>10.4} {:>10.4} ± {:<8.4} {:>10.4} {}{open}",
-                a.name, n.given, a.value, a.deviation, n.full, a.unit
+                "  {:32} {:>10.4} {:>21} {:>10.4} {}{open}",
+                of_joint(&a.name, self.names),
+                n.given,
+                with_deviation(a.value, a.deviation),
+                n.full,
+                a.unit
             );
         }
         let mut title = "\nwhat they stand for\n";
         for (n, parts) in self.absorbing() {
-            let _ = writeln!(text, "{title}  {}", sentence(n, &parts));
+            let _ = writeln!(text, "{title}  {}", sentence(n, &parts, self.names));
             title = "";
         }
         if !self.again.undetermined.is_empty() {

@@ -116,11 +116,6 @@ fn verdict(ranking: &Ranking) -> Verdict {
     Verdict { tone, headline, sentences }
 }
 
-fn joint_columns(ranking: &Ranking) -> impl Iterator<Item = String> {
-    let joints = ranking.ranked.first().map_or(0, |r| r.joints.len());
-    (0..joints).map(|j| format!("joint {j}"))
-}
-
 fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
     let score = |r: &Ranked| r.score.map(|s| 100.0 * s);
     let bars = Bars {
@@ -144,7 +139,7 @@ fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
     };
     let mut columns: Vec<String> =
         ["rank", "<variant", "coefficients", "shapes", "all"].map(str::to_owned).to_vec();
-    columns.extend(joint_columns(ranking));
+    columns.extend(ranking.joint_headings());
     let mut table = Table::new("change of the held-out mean squared error, %", columns);
     for r in &ranking.ranked {
         let mut cells = vec![
@@ -175,7 +170,7 @@ fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
 
 fn errors(ranking: &Ranking) -> Section {
     let mut columns = vec!["rank".to_owned(), "<variant".into()];
-    columns.extend(joint_columns(ranking));
+    columns.extend(ranking.joint_headings());
     let unit = ranking.unit.map_or("", |u| u.symbol());
     let mut relative = Table::new("root mean squared error over that of the measurement, %", columns.clone());
     let mut absolute = Table::new(format!("mean squared error, {unit}²"), columns);

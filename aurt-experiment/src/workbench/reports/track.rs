@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 
-use aurt_calibration::{Drift, DriftGroup};
+use aurt_calibration::{Drift, DriftGroup, DriftParameter};
 use aurt_files::output::pretty;
 use aurt_report::{
     Axis, Block, Cell, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone, Verdict,
-    rendering::number::significant, reports::parts,
+    rendering::{number::significant, table as terminal},
+    reports::parts,
 };
+use aurt_traits::RobotNames;
 use serde_json::Value;
 
 use crate::workbench::tracking::{Alarm, Tracked, TrackedRecording};
@@ -55,24 +57,15 @@ pub fn text(tracked: &Tracked) -> String {
     tracked.alarms.iter().for_each(|alarm| {
         let _ = writeln!(text, "  {}", sentence(alarm));
     });
-    let _ = writeln!(
-        text,
-        "\n{:<14} {:<5} {:>10}  {:<22}  recording",
-        "parameter", "unit", "drift", "95 % interval"
-    );
+    let mut rows =
+        terminal::Table::new(["parameter", "unit", "drift", "95 % interval", "recording"]).left(2).remark();
     for recording in &tracked.recordings {
-        for (parameter, drift) in tracked.parameters.iter().zip(&recording.drift) {
-            let _ = writeln!(
-                text,
-                "{:<14} {:<5} {:>10}  {:<22}  {}",
-                parameter.name,
-                parameter.unit,
-                value(drift),
-                interval(drift),
-                recording.recording
-            );
+        for (k, drift) in recording.drift.iter().enumerate() {
+            let unit = tracked.parameters[k].unit.clone();
+            rows.row([label(tracked, k), unit, value(drift), interval(drift), recording.recording.clone()]);
         }
     }
+    let _ = write!(text, "\n{}", rows.render());
     tracked.notes.iter().for_each(|note| {
         let _ = writeln!(text, "note: {note}");
     });
@@ -108,6 +101,19 @@ pub fn sentence(alarm: &Alarm) -> String {
     )
 }
 
+/// A parameter by the name of its joint, if that has one.
+fn label(tracked: &Tracked, k: usize) -> String {
+    let DriftParameter { group, joint, name, .. } = &tracked.parameters[k];
+    let group = match group {
+        DriftGroup::Friction => "friction",
+        DriftGroup::Gain => "gain",
+        DriftGroup::Load => "load",
+    };
+    let named = joint.filter(|joint| *joint < tracked.joint_names.len());
+    let of = |joint| format!("{group} of {}", RobotNames::of_joints(&tracked.joint_names).joint(joint));
+    named.map_or_else(|| name.clone(), of)
+}
+
 fn value(drift: &Drift) -> String {
     drift.value.map_or_else(|| "–".into(), |v| significant(v, 3))
 }
@@ -125,12 +131,12 @@ fn table(tracked: &Tracked) -> Section {
         ["<recording", "<parameter", "<unit", "drift", "<interval"],
     );
     for recording in &tracked.recordings {
-        for (parameter, drift) in tracked.parameters.iter().zip(&recording.drift) {
+        for (k, drift) in recording.drift.iter().enumerate() {
             let is_off = drift.interval_95.is_some_and(|[low, high]| low > 0.0 || high < 0.0);
             table.row([
                 Cell::from(recording.recording.as_str()),
-                Cell::from(parameter.name.as_str()),
-                Cell::from(parameter.unit.as_str()),
+                Cell::from(label(tracked, k)),
+                Cell::from(tracked.parameters[k].unit.as_str()),
                 Cell { text: value(drift), strong: is_off },
                 Cell::from(interval(drift)),
             ]);
@@ -186,7 +192,7 @@ fn panel(tracked: &Tracked, k: usize) -> Panel {
     let parameter = &tracked.parameters[k];
     let unit = if parameter.unit == "1" { "" } else { &parameter.unit };
     Panel {
-        y: Axis::new(parameter.name.clone(), unit),
+        y: Axis::new(label(tracked, k), unit),
         height: 80.0,
         layers: vec![
             layer("95 % interval", Style::Floor, Mark::Line, end(0)),

@@ -53,7 +53,6 @@ pub fn to_text(ranking: &Ranking, style: Style) -> String {
             Rows::All => "all rows in motion",
             Rows::Moving => "rows at which the joint moves",
         };
-        let joints = ranking.ranked.first().map_or(0, |r| r.joints.len());
         let title = format!("held-out MSE over {rows}, against \"{reference}\", %");
         text.push_str(&format!("{}\n", style.emphasise(Emphasis::Title, &title)));
         let change = |r: &Ranked, j: usize| {
@@ -62,7 +61,7 @@ pub fn to_text(ranking: &Ranking, style: Style) -> String {
                 |c| format!("{c:+.1}{}", if r.joints[j].beyond_noise { "*" } else { " " }),
             )
         };
-        text.push_str(&table(ranking, joints, "all", &overall, &change));
+        text.push_str(&table(ranking, "all", &overall, &change));
         text.push_str(&wrapped(
             "*: more than noise explains, by a paired comparison over blocks of time. =: over all joints, noise \
              may explain the difference from the best point. all: geometric mean over the joints. n: \
@@ -77,7 +76,7 @@ pub fn to_text(ranking: &Ranking, style: Style) -> String {
             let known: Vec<f64> = r.joints.iter().filter_map(|j| j.nrmse_percent).collect();
             percent(known.iter().sum::<f64>() / (100 * known.len()) as f64)
         };
-        text.push_str(&table(ranking, joints, "mean", &mean, &size));
+        text.push_str(&table(ranking, "mean", &mean, &size));
     }
     if !ranking.failed.is_empty() {
         text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Warning, "points that failed")));
@@ -105,13 +104,12 @@ fn overall(r: &Ranked) -> String {
 
 fn table(
     ranking: &Ranking,
-    joints: usize,
     total: &str,
     overall: &dyn Fn(&Ranked) -> String,
     cell: &dyn Fn(&Ranked, usize) -> String,
 ) -> String {
     let mut header = vec!["rank".to_owned(), "point".into(), "n".into(), total.into()];
-    header.extend((0..joints).map(|j| format!("joint {j}")));
+    header.extend(ranking.joint_headings());
     let mut table = Table::new(header).left(2);
     for r in &ranking.ranked {
         let tied = if r.tied_with_best && r.rank > 1 { " =" } else { "" };
@@ -157,6 +155,7 @@ mod tests {
         Ranking {
             rows: Rows::All,
             unit: None,
+            joint_names: Vec::new(),
             reference: Some(format!("viscous.powers = [1, {}]", points - 1)),
             ranked: (0..points).map(ranked).collect(),
             failed: (0..points)
@@ -174,6 +173,15 @@ mod tests {
         assert!(text.contains("[1, 99999]"), "the reference is missing");
         assert!(text.contains("99959 of 100000 points that were judged are left out here"), "{text}");
         assert!(text.contains("and 99960 further ranges"), "{text}");
+    }
+
+    #[test]
+    fn joints_with_names_are_called_by_them() {
+        let mut ranking = large(2);
+        assert!(to_text(&ranking, Style::PLAIN).contains("joint 5"));
+        ranking.joint_names = (0..6).map(|j| format!("axis_{j}")).collect();
+        let text = to_text(&ranking, Style::PLAIN);
+        assert!(text.contains("axis_5") && !text.contains("joint 5"), "{text}");
     }
 
     #[test]

@@ -234,6 +234,7 @@ impl Follower {
             threshold: self.threshold,
             average_run_length_windows: self.run_length,
             parameters: self.parameters,
+            joint_names: self.joint_names,
             recordings: self.recordings,
             alarms: self.alarms,
             notes: self.notes,

@@ -103,6 +103,9 @@ pub struct Tracked {
     pub options: TrackOptions,
     /// The parameters.
     pub parameters: Vec<DriftParameter>,
+    /// Names of the joints; empty where they have none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// The unchanged machine.
     pub baseline: Baseline,
     /// Recordings of the unchanged machine.

@@ -9,7 +9,7 @@ use crate::{
     page::{Block, Section},
     rendering::{number::significant, text::listed},
     table::Table,
-    words::{claim, groups, indicated, nothing, objection},
+    words::{all_indicated, claim, groups, nothing, objection},
 };
 
 impl Diagnosed<'_> {
@@ -43,9 +43,8 @@ impl Diagnosed<'_> {
                  model:"
                     .into(),
             ));
-            let lines =
-                self.verdict.indications.iter().map(|i| format!("{}.", capital(&indicated(i, self.asked))));
-            blocks.push(Block::List(lines.collect()));
+            let lines = all_indicated(self.verdict, self.asked);
+            blocks.push(Block::List(lines.iter().map(|line| format!("{}.", capital(line))).collect()));
         }
         Section {
             title: "What was found".into(),
