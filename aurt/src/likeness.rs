@@ -258,7 +258,7 @@ impl Piece {
         }
         // Of two of about one step either may be the copy, whose values are those between rows of the other.
         let swapped =
-            (long_s < 1.5 * short_s).then(|| Overlay { coarse: fine, fine: coarse, step_s: long_s });
+            (long_s < 1.5 * short_s).then_some(Overlay { coarse: fine, fine: coarse, step_s: long_s });
         let is_same = |overlay: Overlay<'_>| overlay.noise().is_some_and(|noise| noise < SAME_NOISE);
         (is_same(overlay) || swapped.is_some_and(is_same)).then_some(Likeness::Resampled)
     }
