@@ -340,6 +340,8 @@ effects! {
         stribeck_velocity_rad_s: Option<Vec<Estimate>>,
         /// Exponent of the transition.
         stribeck_exponent: Option<Vec<Estimate>>,
+        /// Speed at which half of the difference of both levels is gone, rad/s.
+        half_speed_rad_s: Option<Vec<Estimate>>,
     }
     /// Friction that changes while the robot warms up.
     TemperatureDependentFriction = "temperature_dependent_friction" {

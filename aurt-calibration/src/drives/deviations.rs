@@ -2,7 +2,8 @@
 //!
 //! # Equation
 //! Errors of a closed loop last for seconds (stick–slip, poses, what the model lacks), so that samples are no independent
-//! witnesses; stretches of time are. Without stretch c the estimate moves by δ_c = (H − H_c)⁻¹ g_c, with its part g_c of the
+//! witnesses; stretches of time are. How long is not known: stretches are joined two by two as long as there are enough of
+//! them, and of each number the largest deviation is kept. Without stretch c the estimate moves by δ_c = (H − H_c)⁻¹ g_c, with its part g_c of the
 //! gradient and H_c of the curvature H, what is known beforehand included in H. The covariance is that of the jackknife,
 //!
 //! (G − 1)/G Σ_c (δ_c − δ̄)(δ_c − δ̄)ᵀ + H⁻¹ P H⁻¹,
@@ -34,11 +35,36 @@ pub(crate) fn stretch_s(lasts_s: f64, block_s: f64) -> f64 {
 }
 
 /// The covariance in units of the numbers' deviations, without those that are `fixed`; `curvature` has unit rows for these.
+/// A number's deviation is the largest that stretches of the given length, twice that and so on give.
 pub(crate) fn covariance(
     curvature: &DMatrix<f64>,
     stretches: &[Stretch],
     fixed: &[bool],
 ) -> Option<DMatrix<f64>> {
+    let mut covariance = jackknife(curvature, stretches, fixed)?;
+    let shortest = covariance.diagonal();
+    let mut largest = shortest.clone();
+    let mut longer = stretches.to_vec();
+    while (longer.len() / 2) as f64 >= STRETCHES[0] {
+        longer = longer.chunks(2).map(together).collect();
+        let diagonal = jackknife(curvature, &longer, fixed)?.diagonal();
+        largest.zip_apply(&diagonal, |most, variance| *most = most.max(variance));
+    }
+    let factor = largest.zip_map(&shortest, |most, own| if own > 0.0 { (most / own).sqrt() } else { 1.0 });
+    covariance.component_mul_assign(&(&factor * factor.transpose()));
+    Some(covariance)
+}
+
+/// Neighbouring stretches as one.
+fn together(stretches: &[Stretch]) -> Stretch {
+    let (first, others) = (stretches[0].clone(), &stretches[1..]);
+    others.iter().fold(first, |sum, other| Stretch {
+        gradient: sum.gradient + &other.gradient,
+        information: sum.information + &other.information,
+    })
+}
+
+fn jackknife(curvature: &DMatrix<f64>, stretches: &[Stretch], fixed: &[bool]) -> Option<DMatrix<f64>> {
     let n = fixed.len();
     let is_free = |k: usize| !fixed[k];
     let inverse = curvature.clone().cholesky()?.inverse();
@@ -65,6 +91,21 @@ pub(crate) fn covariance(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Errors that keep their sign over pairs of stretches: twice as long ones tell that half as many count.
+    #[test]
+    fn errors_that_last_longer_than_stretches_count_once() {
+        let errors: Vec<f64> = (0..48).map(|k| if k / 4 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let stretch = |error: &f64| Stretch {
+            gradient: DVector::from_element(1, 1e6 * error),
+            information: DMatrix::from_element(1, 1, 1e6),
+        };
+        let stretches: Vec<Stretch> = errors.iter().map(stretch).collect();
+        let curvature = DMatrix::from_element(1, 1, 48e6);
+        let short = jackknife(&curvature, &stretches, &[false]).unwrap()[(0, 0)];
+        let found = covariance(&curvature, &stretches, &[false]).unwrap()[(0, 0)];
+        assert!((found / short / 4.0 - 1.0).abs() < 0.1, "{found} {short}");
+    }
 
     /// A mean of 6 stretches with errors that last as long as they do: the deviation is that of 6 samples, not of 600.
     #[test]

@@ -6,7 +6,8 @@
 //!
 //! - `static_nm`: F_S, Nm, above F_C; `coulomb_nm`: F_C, Nm, with the model's own level;
 //! - `stribeck_velocity_rad_s`: v_S, 0.02–0.1 rad/s on geared joints, and `stribeck_exponent`, δ: both are
-//!   estimated.
+//!   estimated;
+//! - `half_speed_rad_s`: v_S (ln 2)^(1/δ), the speed at which half of F_S − F_C is gone, whatever law one writes.
 //!
 //! # How it shows
 //! A hump of residual at |q̇| below about 2 v_S, of the sign of velocity, after every break-away and before
@@ -72,12 +73,14 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("static_nm", Unit::Torque).never_negative(),
         Parameter::new("stribeck_velocity_rad_s", Unit::Velocity),
         Parameter::new("stribeck_exponent", Unit::One),
+        Parameter::new("half_speed_rad_s", Unit::Velocity),
     ],
     generalises: &[&coulomb::EFFECT],
     is_essential: |coefficient| coefficient > 0,
     propose,
     estimate: Some(|proposal, fitted, own| {
         let mut parameters = proposal.fixed_parameters();
+        parameters.extend(half_speed(proposal).map(|speed| ("half_speed_rad_s".to_owned(), speed)));
         if let [level, excess, ..] = fitted {
             let coulomb_nm = own.coulomb_nm + level.1;
             parameters.insert("coulomb_nm".to_owned(), ParameterValue::exact(coulomb_nm));
@@ -87,6 +90,19 @@ pub static EFFECT: Effect = Effect {
     }),
     ..Effect::FRICTION
 };
+
+/// v_S (ln 2)^(1/δ), to first order as uncertain as v_S and δ are.
+fn half_speed(proposal: &Proposal) -> Option<ParameterValue> {
+    let [velocity, exponent] =
+        [VELOCITY, EXPONENT].map(|shape| Some((*proposal.fixed.get(shape.name)?, proposal.deviations.get(shape.name))));
+    let ((velocity, velocity_std), (exponent, exponent_std)) = (velocity?, exponent?);
+    let log = libm::log(std::f64::consts::LN_2);
+    let half = velocity * libm::exp(log / exponent);
+    let std = velocity_std.zip(exponent_std).map(|(of_velocity, of_exponent)| {
+        half * (of_velocity / velocity).hypot(log * of_exponent / exponent.powi(2))
+    });
+    Some(ParameterValue::new(half, std))
+}
 
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let proposal = |j: usize, velocity: f64| {

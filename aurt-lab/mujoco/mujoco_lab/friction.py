@@ -97,7 +97,7 @@ class Stribeck(Effect):
             build.laws.append(laws.StribeckLevel(j, self.robot.coulomb_nm[j], excess, speed, self.exponent))
 
     def parameters(self):
-        return [("stribeck_velocity_rad_s", each(self, self.speed_rad_s)),
+        return [("half_speed_rad_s", each(self, self.speed_rad_s * np.log(2.0) ** (1.0 / self.exponent))),
                 ("static_nm", each(self, self.robot.coulomb_nm[self.joints] + self.size * self.unit_nm))]
 
 

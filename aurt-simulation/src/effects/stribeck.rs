@@ -50,7 +50,7 @@ impl Physics for Stribeck {
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         let rest = self.coulomb_nm.iter().zip(&self.excess_nm).map(|(coulomb, excess)| coulomb + excess);
         vec![
-            ("stribeck_velocity_rad_s", vec![self.stribeck_velocity_rad_s; self.joints.len()]),
+            ("half_speed_rad_s", vec![self.stribeck_velocity_rad_s; self.joints.len()]),
             ("static_nm", rest.collect()),
         ]
     }
