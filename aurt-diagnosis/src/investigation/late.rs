@@ -14,7 +14,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
-use crate::vocabulary::{Addition, Kind};
+use crate::vocabulary::Addition;
 
 /// How late the measurement is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -241,12 +241,12 @@ fn parabola(at: f64, step: f64, [before, here, after]: [f64; 3]) -> (f64, f64) {
     (at + vertex.clamp(-1.0, 1.0) * step, step / curvature.sqrt())
 }
 
-/// The model under which delays are scanned: the baseline, what was found but for delays and what imitates them, and
-/// friction that lags on every joint.
+/// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and friction that lags on
+/// every joint. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
 fn model(investigation: &Investigation) -> Vec<Switch> {
     let lags = |group: &&Group| group.effect.delays_friction;
     let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
-    let found = found.filter(|g| g.effect.kind != Kind::Acceleration);
+    let found = found.filter(|g| !is_delay(investigation, g));
     let mut all = investigation.base_switches.clone();
     let everywhere = !investigation.problem.has_reference();
     let lagging = investigation.groups.iter().filter(lags).filter(|g| everywhere || !g.target_only());
