@@ -126,7 +126,6 @@ mod error;
 pub mod fitting;
 mod likeness;
 pub mod origins;
-mod overlay;
 pub mod predictions;
 mod predictor;
 pub mod prelude;

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use aurt_simulation::Random;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 
 use super::setup::{Geometry, Log, Setup, file_name};
 
@@ -80,9 +80,14 @@ fn words(cures: &[&[&str]]) -> Vec<Vec<String>> {
     cures.iter().map(|cure| cure.iter().map(|word| (*word).to_owned()).collect()).collect()
 }
 
-fn joint_words(joint: usize, others: &[&str]) -> Vec<Vec<String>> {
-    let named = |other: &&str| vec![format!("joint {joint}"), (*other).to_owned()];
+fn joint_words(setup: &Setup, joint: usize, others: &[&str]) -> Vec<Vec<String>> {
+    let named = |other: &&str| vec![called(setup, &[joint]), (*other).to_owned()];
     others.iter().map(named).collect()
+}
+
+/// Joints as `aurt` calls them.
+fn called(setup: &Setup, joints: &[usize]) -> String {
+    RobotNames::of_joints(&setup.joint_names()).joint_list(joints)
 }
 
 fn each(setup: &mut Setup, change: impl Fn(&mut Log)) {
@@ -98,7 +103,7 @@ fn zero(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<Strin
     let offset = [FRAC_PI_2, -FRAC_PI_2, PI][random.index(3)];
     each(setup, |log| log.position_rad[joint].iter_mut().for_each(|q| *q += offset));
     let row = format!("row {joint}");
-    let cures = vec![vec!["theta".into(), row], vec![format!("zero of joint {joint}")]];
+    let cures = vec![vec!["theta".into(), row], vec![format!("zero of {}", called(setup, &[joint]))]];
     Some((format!("joint {joint}, {:.0}°", offset.to_degrees()), cures))
 }
 
@@ -111,7 +116,7 @@ fn sign(setup: &mut Setup, random: &mut Random, position: bool) -> Option<(Strin
     each(setup, |log| {
         turn(if position { &mut log.position_rad[joint] } else { &mut log.measurement[joint] });
     });
-    Some((format!("joint {joint}"), joint_words(joint, &["sign"])))
+    Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
 }
 
 fn all_signs(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
@@ -139,7 +144,7 @@ fn exchanged(
             log.measurement.swap(a, b);
         }
     });
-    Some((format!("joints {a} and {b}"), vec![vec![format!("joints {a} and {b} exchanged")]]))
+    Some((format!("joints {a} and {b}"), vec![vec![format!("{} exchanged", called(setup, &[a, b]))]]))
 }
 
 fn from_tip(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
@@ -252,20 +257,23 @@ fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Option<(String
         return None;
     }
     constants.swap(a, b);
-    Some((format!("joints {a} and {b}"), vec![vec![format!("the torque constants of joints {a} and {b}")]]))
+    Some((
+        format!("joints {a} and {b}"),
+        vec![vec![format!("the torque constants of {}", called(setup, &[a, b]))]],
+    ))
 }
 
 fn constant_off(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
     let joint = random.index(setup.joints());
     let factor = if random.chance(0.5) { 10.0 } else { 0.1 };
     setup.constants_nm_per_a.as_mut()?[joint] *= factor;
-    Some((format!("joint {joint}, {factor}"), joint_words(joint, &["constant"])))
+    Some((format!("joint {joint}, {factor}"), joint_words(setup, joint, &["constant"])))
 }
 
 fn constant_sign(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
     let joint = random.index(setup.joints());
     setup.constants_nm_per_a.as_mut()?[joint] *= -1.0;
-    Some((format!("joint {joint}"), joint_words(joint, &["sign"])))
+    Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
 }
 
 fn delay(setup: &mut Setup, random: &mut Random, one: bool) -> Option<(String, Vec<Vec<String>>)> {
@@ -306,7 +314,10 @@ fn copied(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<Str
         family[b] = family[a].clone();
     });
     let of = if position { "position" } else { "measurement" };
-    Some((format!("{of} of joint {b}"), vec![vec![format!("joints {a} and {b} are the same column")]]))
+    Some((
+        format!("{of} of joint {b}"),
+        vec![vec![format!("{} are the same column", called(setup, &[a, b]))]],
+    ))
 }
 
 fn mdh_rows(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {

@@ -7,6 +7,7 @@ use crate::{
     effects::{Lacks, Undeclared},
 };
 use aurt_rbd::MdhRow;
+use aurt_rbd::robots::{KnownRobot, known_robot};
 use aurt_simulation::{
     Controller, Logger, Motion, Random, Robot, Rotors, Scenario, SimulationError,
     effects::{BristleModel, Effect, Payload},
@@ -74,6 +75,15 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// What `aurt` calls the joints; nothing where it counts them.
+    pub fn joint_names(&self) -> Vec<String> {
+        match &self.geometry {
+            Geometry::Name(name) => known_robot(name).map_or_else(Vec::new, KnownRobot::joint_names),
+            Geometry::Urdf => (0..self.mdh.len()).map(|j| format!("joint_{j}")).collect(),
+            Geometry::Table => Vec::new(),
+        }
+    }
+
     /// A right setup.
     ///
     /// # Errors

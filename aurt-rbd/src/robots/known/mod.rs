@@ -63,6 +63,15 @@ pub fn probably_meant(name: &str) -> Option<&'static str> {
 }
 
 impl KnownRobot {
+    /// Names of the joints in the robot's ROS description.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        match self.joint_names {
+            JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
+            JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),
+        }
+    }
+
     /// Number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {
@@ -94,10 +103,7 @@ impl KnownRobot {
             base: "base".into(),
             tip: "flange".into(),
             part: Part::All,
-            joint_names: match self.joint_names {
-                JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
-                JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),
-            },
+            joint_names: self.joint_names(),
             link_names: Vec::new(),
             joints,
             couplings: Vec::new(),

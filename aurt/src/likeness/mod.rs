@@ -5,9 +5,11 @@
 //! copy agree to the last digit. The noise of two repetitions is independent, so that their difference has as much noise as
 //! both together; in a resampled copy it has a fraction.
 
+mod overlay;
+
 use std::{fmt, ops::Range};
 
-use crate::overlay::{Cursor, Overlay, linear, step_s};
+use overlay::{Cursor, Overlay, linear, step_s};
 
 /// Fewest rows of a recording that are compared.
 const FEWEST_ROWS: usize = 16;
