@@ -126,6 +126,25 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let rows = &outcome.files.iter().find(|(name, _)| name == "rollout_b.csv").unwrap().1;
     assert_eq!(String::from_utf8_lossy(rows).lines().count(), 202);
 
+    // Held-out recordings of a joint with other friction are no all-clear, however little it is.
+    let held_out = |coulomb_nm: f64| {
+        let mut arm = model.arm.clone();
+        arm.joints[0].mechanics.coulomb_nm = coulomb_nm;
+        let still = DriveRecording {
+            time_s: (0..600).map(|k| f64::from(k) * 0.02).collect(),
+            command: vec![commands[1].clone()],
+            position_rad: vec![vec![commands[1][0]; 600]],
+            ..DriveRecording::default()
+        };
+        fs::write(folder.join("b.csv"), table(&arm.rollout(&still).unwrap()[0], &commands[1])).unwrap();
+        let text = EXPERIMENT.replace("position_deviation_rad = 1e-3", "position_deviation_rad = 5e-3");
+        diagnose_drives(&read(folder, &text), &[], &Progress::silent()).unwrap()
+    };
+    let (same, other) = (held_out(0.3), held_out(0.36));
+    assert_eq!(same.json["held_out"]["differ"], serde_json::json!([]), "{}", same.text);
+    assert_eq!(other.json["held_out"]["differ"], serde_json::json!([0]), "{}", other.text);
+    assert!(other.findings && other.text.contains("joint 0 is missed by"), "{}", other.text);
+
     // Rows that are fitted judge nothing; parts of one recording that do not overlap do.
     let parts = |fitted: &str, held_out: &str| {
         let text = EXPERIMENT.replace("\"a.csv\"", &format!("\"a.csv\", window_s = {fitted}"));
