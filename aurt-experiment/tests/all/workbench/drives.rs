@@ -140,7 +140,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         let text = EXPERIMENT.replace("position_deviation_rad = 1e-3", "position_deviation_rad = 5e-3");
         diagnose_drives(&read(folder, &text), &[], &Progress::silent()).unwrap()
     };
-    let (same, other) = (held_out(0.3), held_out(0.36));
+    let (other, same) = (held_out(0.36), held_out(0.3));
     assert_eq!(same.json["held_out"]["differ"], serde_json::json!([]), "{}", same.text);
     assert_eq!(other.json["held_out"]["differ"], serde_json::json!([0]), "{}", other.text);
     assert!(other.findings && other.text.contains("joint 0 is missed by"), "{}", other.text);
