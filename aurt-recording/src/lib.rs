@@ -93,7 +93,7 @@ pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::Matlab;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
-    acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,
+    acceleration_gain, lattice_step, median, median_step_s, velocity_gain, white_level, white_level_at,
 };
 #[cfg(feature = "numpy")]
 pub use numpy::NumPy;

@@ -3,8 +3,9 @@
 //! # Equation
 //! Errors of a closed loop last for seconds (stick–slip, poses, what the model lacks), so that samples are no independent
 //! witnesses; stretches of time are. How long is not known: stretches are joined two by two as long as there are enough of
-//! them, and of each number the largest deviation is kept. Without stretch c the estimate moves by δ_c = (H − H_c)⁻¹ g_c, with its part g_c of the
-//! gradient and H_c of the curvature H, what is known beforehand included in H. The covariance is that of the jackknife,
+//! them, and of each number the largest deviation is kept. Without stretch c the estimate moves by δ_c = (H − H_c)⁻¹ g_c, with
+//! its part g_c of the gradient and H_c of the curvature H, what is known beforehand included in H. The covariance is that of
+//! the jackknife,
 //!
 //! (G − 1)/G Σ_c (δ_c − δ̄)(δ_c − δ̄)ᵀ + H⁻¹ P H⁻¹,
 //!
@@ -64,6 +65,7 @@ fn together(stretches: &[Stretch]) -> Stretch {
     })
 }
 
+/// The covariance with stretches as they are.
 fn jackknife(curvature: &DMatrix<f64>, stretches: &[Stretch], fixed: &[bool]) -> Option<DMatrix<f64>> {
     let n = fixed.len();
     let is_free = |k: usize| !fixed[k];
@@ -92,7 +94,7 @@ fn jackknife(curvature: &DMatrix<f64>, stretches: &[Stretch], fixed: &[bool]) ->
 mod tests {
     use super::*;
 
-    /// Errors that keep their sign over pairs of stretches: twice as long ones tell that half as many count.
+    /// Errors that keep their sign over four stretches: the variance is four times that of independent ones.
     #[test]
     fn errors_that_last_longer_than_stretches_count_once() {
         let errors: Vec<f64> = (0..48).map(|k| if k / 4 % 2 == 0 { 1.0 } else { -1.0 }).collect();

@@ -49,7 +49,7 @@ impl Observer for Bar {
 
     fn advance(&self) {
         self.bar.inc(1);
-        // How many steps there are is an estimate.
+        // The number of steps is an estimate.
         if self.bar.length().is_some_and(|steps| self.bar.position() > steps) {
             self.bar.set_length(self.bar.position());
         }
@@ -89,7 +89,7 @@ impl Lines {
                 let line = {
                     let Step { number, name } = &*shared.lock().unwrap_or_else(PoisonError::into_inner);
                     let name = if name.is_empty() { String::new() } else { format!(": {name}") };
-                    // How many steps there are is an estimate: what takes more has no end that is known.
+                    // The number of steps is an estimate: beyond it the end is not known.
                     let of = if *number <= steps { format!(" of {steps}") } else { String::new() };
                     format!("step {number}{of} after {} s{name}\n", begin.elapsed().as_secs())
                 };

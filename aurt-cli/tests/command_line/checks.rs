@@ -211,7 +211,7 @@ fn a_sample_counts_once() {
     }
     folder.aurt("diagnose asked.toml --out out".split(' ')).refused(&["other_motion.csv", "not held-out"]);
     folder.aurt("check copy.csv exciting_motion.csv".split(' ')).refused(&["the same samples"]);
-    // Every second row, under another clock, is no other recording.
+    // Every second row under another clock is a copy.
     let text = folder.read("exciting_motion.csv");
     let (header, rows) = text.split_once('\n').unwrap();
     let thinned = rows.lines().step_by(2).map(|row| {

@@ -38,7 +38,7 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     folder.aurt(init(&LOGS, &[])).refused(&["experiment.toml exists", "experiments are not overwritten"]);
 }
 
-/// What is printed is the error of what is written, which has no rotors; mistakes are looked for with them.
+/// `init` prints the error of the experiment that it writes, which has no rotors; its search for mistakes adds them.
 #[test]
 fn the_printed_error_is_that_of_the_experiment() {
     let folder = demo();

@@ -68,7 +68,7 @@ fn a_model_of_another_robot_is_refused() {
     refused(&["--model", "was made with the torque constants 11.976", "the experiment has 13"]);
 }
 
-/// What the model was calibrated on is not held out, under another name neither.
+/// A recording that the model was calibrated on is refused as held out, under another name as well.
 #[test]
 fn a_given_model_is_not_judged_by_its_own_recordings() {
     let folder = calibrated();

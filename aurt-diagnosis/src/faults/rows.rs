@@ -13,7 +13,7 @@
 use super::{CERTAIN, Fault, log10_poisson_tail, resolution, windows_s};
 use crate::effects::dropped_samples;
 use crate::parameters::{ParameterValue, Parameters};
-use aurt_recording::{Recording, white_level};
+use aurt_recording::{Recording, median_step_s, white_level};
 
 /// Faulty rows below this number are not worth a word.
 const FEWEST: usize = 3;
@@ -51,7 +51,7 @@ pub(super) struct RowFaults {
 
 pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     let time = &recording.time_s;
-    let period_s = median_distance(time);
+    let period_s = median_step_s(time).unwrap_or(0.0);
     let mut spoilt = vec![false; time.len()];
     let (missing, gaps_s) = missing(recording, period_s);
     let same_stamp = repeated(recording);
@@ -107,17 +107,8 @@ fn mark(spoilt: &mut [bool], is_bad: impl Fn(usize) -> bool) -> usize {
 /// Rows whose stamp is there already.
 fn repeated(recording: &Recording) -> Vec<bool> {
     let time = &recording.time_s;
-    let period_s = median_distance(time);
+    let period_s = median_step_s(time).unwrap_or(0.0);
     (0..time.len()).map(|k| k > 0 && time[k] - time[k - 1] <= SAME_STAMP * period_s).collect()
-}
-
-fn median_distance(time: &[f64]) -> f64 {
-    let mut distances: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
-    if distances.is_empty() {
-        return 0.0;
-    }
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Number of missing rows and the stretches in which they are; what was left out on purpose is not missing.

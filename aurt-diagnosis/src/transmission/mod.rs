@@ -2,7 +2,7 @@
 //!
 //! A gear shows above the filters of calibration, where noise, servos and friction show as well. So what rings or strikes
 //! is no evidence; what is *predicted* is. The link of a joint is simulated, driven by the measured motion of its motor
-//! (`link`); the torque that this asks of all drives is set against what the fitted model leaves at the recording's own
+//! (`link`); the torque that this asks of all drives is set against what model and claims leave at the recording's own
 //! rate, on rows that are white (`whiten`, `rows`), beside what the noise of the encoders and the rigid model explain
 //! (`against`); and it counts by what it gains on held-out blocks of time (`claim`).
 //!
@@ -182,15 +182,14 @@ pub fn find_gears(
         };
         for piece in pieces.iter_mut().filter(|p| clearest.present[usize::from(p.target)]) {
             let torque = undo::torque(&clearest, &piece.full, &piece.gradients);
-            for (residual, torque) in piece.full.residual.iter_mut().zip(torque) {
-                residual.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
-            }
+            undo::take_off(&torque, &mut piece.full.residual);
         }
         gears.found.push(clearest);
     }
 }
 
-/// Tests confirmed gears anew in what a model leaves that was fitted without their torque, each from the shape that it had.
+/// Tests confirmed gears anew in what a model leaves that was fitted without their torque, each from the shape that it had. The
+/// probability of chance stays that of the search, which tried all shapes.
 ///
 /// # Errors
 /// What the model and the filters report.
@@ -211,10 +210,7 @@ pub(crate) fn gears_anew(
             .map(|p| {
                 let mut full = p.full.clone();
                 for other in others().filter(|g| g.present[usize::from(p.target)]) {
-                    let torque = undo::torque(other, &p.full, &p.gradients);
-                    for (residual, torque) in full.residual.iter_mut().zip(torque) {
-                        residual.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
-                    }
+                    undo::take_off(&undo::torque(other, &p.full, &p.gradients), &mut full.residual);
                 }
                 let rows = Rows::new(p.segment, &full, &p.gradients, p.position_cutoff_hz, most_hz)?;
                 Ok(OwnFreed::new(rows, p.target))
@@ -332,8 +328,8 @@ impl Shaking {
         let (amplitude, std) = (found.amplitude, found.amplitude_std);
         let gear = found.shape.gear(found.inertia);
         let [hz, ratio, _, gap] = found.shape_std;
-        // The rotor's share is fitted, so the amplitude of the true gear is one: by as much as it differs, the arm swings in another
-        // way than one link on one gear does (other gears give way as well), and its stiffness is that much in doubt.
+        // The shape has the rotor's share, so the amplitude of a true gear is one. By as much as it differs the arm does not swing as
+        // one link on one gear does (other gears give way as well), and its stiffness is in doubt.
         let relative = std.hypot(1.0 - amplitude);
         let stiffness = gear.stiffness_nm_rad;
         let damping = gear.damping_nm_s;

@@ -36,6 +36,13 @@ pub(super) fn torque(gear: &Shaking, full: &FullRate, gradients: &GravityGradien
         .collect()
 }
 
+/// Subtracts torques from series, joint by joint.
+pub(super) fn take_off(torque: &[Vec<f64>], from: &mut [Vec<f64>]) {
+    for (series, torque) in from.iter_mut().zip(torque) {
+        series.iter_mut().zip(torque).for_each(|(s, t)| *s -= t);
+    }
+}
+
 /// The recordings without what the confirmed gears among `gears` ask of the drives.
 ///
 /// # Errors
@@ -56,18 +63,14 @@ pub(crate) fn undone(
         for gear in gears.iter().filter(|g| g.confirmed && g.present[usize::from(piece.target)]) {
             let mut torque = torque(gear, &piece.full, &piece.gradients);
             if let Some(raw) = &mut segment.raw_measurement {
-                for (raw, torque) in raw.iter_mut().zip(&torque) {
-                    raw.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
-                }
+                take_off(&torque, raw);
             }
             for (joint, torque) in torque.iter_mut().enumerate() {
                 segment.silence(joint, 0, torque);
             }
             let filtered = segment.filtered(&torque)?;
             if let Some(measurement) = &mut segment.measurement {
-                for (rows, torque) in measurement.iter_mut().zip(&filtered) {
-                    rows.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
-                }
+                take_off(&filtered, measurement);
             }
         }
     }

@@ -15,6 +15,7 @@ mod white;
 pub use interpolation::{Interpolation, Interpolator};
 pub use lattice::lattice_step;
 pub use markov::WhiteAndMarkov;
+pub use median::{median, median_step_s};
 pub use position::PositionNoise;
 pub use response::{acceleration_gain, velocity_gain};
 pub use spectrum::{MedianSpectrum, SpectrumBand};

@@ -9,7 +9,8 @@ mod overlay;
 
 use std::{fmt, ops::Range};
 
-use overlay::{Cursor, Overlay, linear, step_s};
+use aurt_recording::median_step_s;
+use overlay::{Cursor, Overlay, linear};
 
 /// Fewest rows of a recording that are compared.
 const FEWEST_ROWS: usize = 16;
@@ -120,7 +121,7 @@ impl Pieces {
             let begin = rows.start + k * between;
             Piece::of(series, begin..begin + length)
         });
-        Self { pieces: pieces.collect(), step_s: step_s(&series.time_s[rows.clone()]) }
+        Self { pieces: pieces.collect(), step_s: median_step_s(&series.time_s[rows.clone()]).unwrap_or(0.0) }
     }
 
     /// The way in which some rows of a recording are a copy of these, if they are.
@@ -129,7 +130,8 @@ impl Pieces {
         if rows.len() < FEWEST_ROWS {
             return None;
         }
-        let used = Used { series, step_s: step_s(&series.time_s[rows.clone()]), rows };
+        let used =
+            Counterpart { series, step_s: median_step_s(&series.time_s[rows.clone()]).unwrap_or(0.0), rows };
         let (mut same, mut other, mut found) = (0, 0, None);
         for piece in spread(&self.pieces) {
             let places = piece.places(&used);
@@ -153,7 +155,7 @@ impl Pieces {
 }
 
 /// Rows of a recording that are compared with pieces of another.
-struct Used<'s> {
+struct Counterpart<'s> {
     series: &'s Series<'s>,
     rows: Range<usize>,
     step_s: f64,
@@ -197,8 +199,8 @@ impl Piece {
     }
 
     /// By how much stamps have to be moved to lie where a recording has this motion; the most alike first.
-    fn places(&self, used: &Used<'_>) -> Vec<f64> {
-        let Used { series, rows, .. } = used;
+    fn places(&self, used: &Counterpart<'_>) -> Vec<f64> {
+        let Counterpart { series, rows, .. } = used;
         let own = &self.motion[self.joint][self.row..self.row + 2];
         let level = 0.5 * (own[0] + own[1]);
         let rises = own[1] > own[0];
@@ -234,8 +236,8 @@ impl Piece {
     }
 
     /// The way in which the measurement near a place is this one.
-    fn likeness(&self, own_step_s: f64, used: &Used<'_>, shift_s: f64) -> Option<Likeness> {
-        let Used { series, rows, step_s } = used;
+    fn likeness(&self, own_step_s: f64, used: &Counterpart<'_>, shift_s: f64) -> Option<Likeness> {
+        let Counterpart { series, rows, step_s } = used;
         let (long_s, short_s) = (step_s.max(own_step_s), step_s.min(own_step_s));
         let time_s = &series.time_s[rows.clone()];
         let [first_s, last_s] = [self.time_s[0], self.time_s[self.time_s.len() - 1]].map(|t| t + shift_s);

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use aurt_recording::median;
+
 /// Rows of the coarser recording over which both are compared.
 const COMPARED_ROWS: usize = 80;
 /// Measurements that differ by more than this many times their noise are not those of one motion.
@@ -126,7 +128,7 @@ impl Overlay<'_> {
             noises.push(middle_size(&difference, &FOURTH) / scale);
             values = values.max(middle_size(&difference, &[1.0]) / scale);
         }
-        Differences { noise: middle(&mut noises).unwrap_or(f64::INFINITY), values }
+        Differences { noise: if noises.is_empty() { f64::INFINITY } else { median(&mut noises) }, values }
     }
 }
 
@@ -157,7 +159,7 @@ fn middle_size(y: &[f64], weights: &[f64]) -> f64 {
         .windows(weights.len())
         .map(|w| w.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>().abs())
         .collect();
-    middle(&mut sizes).unwrap_or(0.0)
+    if sizes.is_empty() { 0.0 } else { median(&mut sizes) }
 }
 
 /// Whether values are so coarse that their differences repeat.
@@ -172,11 +174,6 @@ fn is_stepped(y: &[f64]) -> bool {
     4 * all.len() < rows
 }
 
-fn middle(values: &mut [f64]) -> Option<f64> {
-    let half = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(half, f64::total_cmp).1)
-}
-
 /// The power of ten of which all values are multiples; 0 without one.
 fn digit(values: &[f64]) -> f64 {
     let steps = (-2..9).map(|digits| 10.0_f64.powi(-digits));
@@ -184,12 +181,6 @@ fn digit(values: &[f64]) -> f64 {
         values.iter().all(|v| (v / step - (v / step).round()).abs() < 1e-6 * (v / step).abs().max(1e-3))
     };
     steps.into_iter().find(is_step).unwrap_or(0.0)
-}
-
-/// The middle step of stamps, s.
-pub(crate) fn step_s(time_s: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    middle(&mut steps).unwrap_or(0.0)
 }
 
 /// A place between rows: the row before and the part of the step to the next.

@@ -56,9 +56,9 @@ use crate::workbench::failure::Failure;
 /// What the doctor found.
 #[derive(Debug, Clone)]
 pub struct Examination {
-    /// How well the setup as it is explains the data, without what experiments often leave out; nothing if it allows no fit.
+    /// Errors of the setup as it is written; nothing if it allows no fit.
     pub written: Option<Score>,
-    /// The same with what experiments often leave out, as in all trials.
+    /// Errors of the same setup with rotors and offsets, which experiments often leave out and all trials have.
     pub before: Option<Score>,
     /// How well it does with all mistakes undone.
     pub after: Option<Score>,

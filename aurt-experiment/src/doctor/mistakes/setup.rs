@@ -15,7 +15,7 @@ use aurt::{
 use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_diagnosis::RecordingFaults;
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};
-use aurt_recording::{Recording, preprocess};
+use aurt_recording::{Recording, median_step_s, preprocess};
 use aurt_traits::{ArmTerm, MeasurementUnit, RigidBodyRegressor, RobotModel};
 
 use super::mistake::Mistake;
@@ -433,12 +433,7 @@ fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {
     }
 }
 
-/// The median distance of stamps, s.
+/// The median distance of stamps, s; 1 without two.
 pub fn median_period_s(time_s: &[f64]) -> f64 {
-    let mut distances: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
-    if distances.is_empty() {
-        return 1.0;
-    }
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    median_step_s(time_s).unwrap_or(1.0)
 }

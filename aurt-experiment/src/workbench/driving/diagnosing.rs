@@ -132,7 +132,8 @@ impl Said<'_> {
             || self.rests.iter().any(|r| r.rest == Rest::Something)
     }
 
-    /// The joints that the improved model misses by more in the held-out recordings than twice what it does in any fitted one, with both, rad.
+    /// The joints that the improved model misses by more in the held-out recordings than twice its largest miss of a fitted one,
+    /// with both, rad.
     fn held_out_differ(&self) -> Vec<(usize, [f64; 2])> {
         let least = NUMERICAL * self.options.deviation_rad;
         let fitted = |j: usize| self.found.improved.rms_rad.iter().map(|r| r[j]).fold(least, f64::max);
