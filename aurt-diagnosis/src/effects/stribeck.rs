@@ -93,8 +93,8 @@ pub static EFFECT: Effect = Effect {
 
 /// v_S (ln 2)^(1/δ), to first order as uncertain as v_S and δ are.
 fn half_speed(proposal: &Proposal) -> Option<ParameterValue> {
-    let [velocity, exponent] =
-        [VELOCITY, EXPONENT].map(|shape| Some((*proposal.fixed.get(shape.name)?, proposal.deviations.get(shape.name))));
+    let [velocity, exponent] = [VELOCITY, EXPONENT]
+        .map(|shape| Some((*proposal.fixed.get(shape.name)?, proposal.deviations.get(shape.name))));
     let ((velocity, velocity_std), (exponent, exponent_std)) = (velocity?, exponent?);
     let log = libm::log(std::f64::consts::LN_2);
     let half = velocity * libm::exp(log / exponent);
