@@ -55,10 +55,11 @@ enum Column {
     Name(String),
 }
 
-/// The columns of a quantity: `[first, last]` by number, or a name for each joint.
+/// The columns of a quantity: `[first, last]` by number, or a number or a name for each joint.
 #[derive(FromPyObject)]
 enum Columns {
     Range([usize; 2]),
+    Numbers(Vec<usize>),
     Names(Vec<String>),
 }
 
@@ -75,6 +76,7 @@ impl From<Columns> for ColumnsRef {
     fn from(columns: Columns) -> Self {
         match columns {
             Columns::Range([first, last]) => Self::Range { first, last },
+            Columns::Numbers(numbers) => Self::List(numbers.into_iter().map(ColumnRef::Index).collect()),
             Columns::Names(names) => Self::List(names.into_iter().map(ColumnRef::Name).collect()),
         }
     }

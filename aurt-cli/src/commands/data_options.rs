@@ -25,7 +25,7 @@ pub struct ReadingOptions {
         value_name = "TABLE",
         value_parser = parse_columns,
         long_help = "Where to find what, where column names do not tell: columns by number from 0, [first, last] \
-            for a quantity of all joints, or by name\n\
+            or one number per joint for a quantity of all joints, or by name\n\
             for example '{ time = 0, position = [1, 6], measurement = [13, 18] }'"
     )]
     columns: Option<RecordingColumns>,
@@ -204,17 +204,13 @@ fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
 }
 
 fn joint_columns(key: &str, value: &toml::Value) -> Result<JointColumns, String> {
-    let expected = || format!("`{key}` expects [first, last], or one name per joint");
-    let items = value.as_array().filter(|a| !a.is_empty()).ok_or_else(expected)?;
-    if let Some(names) = items.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>() {
+    let items = value.as_array().map_or(&[][..], Vec::as_slice);
+    if let Some(names) = items.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
+        && !names.is_empty()
+    {
         return Ok(JointColumns::Names(names));
     }
-    let [first, last] = items.as_slice() else { return Err(expected()) };
-    let (first, last) = (index(key, first)?, index(key, last)?);
-    if first > last {
-        return Err(format!("`{key}`: the first column, {first}, comes after the last, {last}"));
-    }
-    Ok(JointColumns::Range { first, last })
+    JointColumns::numbered(key, items.iter().map(|v| index(key, v)).collect::<Result<_, _>>()?)
 }
 
 fn index(key: &str, value: &toml::Value) -> Result<usize, String> {
@@ -234,6 +230,8 @@ mod tests {
         assert_eq!(parsed.time, Some(ColumnName::Index(0)));
         assert_eq!(parsed.position, JointColumns::Range { first: 1, last: 6 });
         assert_eq!(parsed.measurement, Some(JointColumns::Names(vec!["a".into(), "b".into()])));
+        let permuted = parse_columns("{ time = 0, position = [4, 1, 2, 3] }").unwrap().position;
+        assert_eq!(permuted, JointColumns::Numbers(vec![4, 1, 2, 3]));
         assert_eq!(
             parse_columns("time = \"t\", position = [1, 6]").unwrap().time,
             Some(ColumnName::Name("t".into()))

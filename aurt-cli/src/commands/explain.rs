@@ -32,7 +32,7 @@ const WIDTH: usize = 78;
 #[command(after_help = "Example:\n  aurt explain payload\n  aurt explain square\n  aurt explain nmse\n  \
     aurt explain        lists what there is")]
 pub struct Explain {
-    /// An effect of a diagnosis, a model or drive of `aurt models`, or a term such as nmse, rest, load_torque
+    /// An effect of a diagnosis or a parameter of one, a model or drive of `aurt models`, or a term such as nmse, rest, load_torque
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -49,6 +49,12 @@ impl Explain {
             text.push(page_text(session.terminal, &page));
             explained
                 .push(json!({ "kind": "effect", "name": effect.id, "title": effect.title, "text": page }));
+        }
+        for effect in effects::ALL {
+            let Some(item) = effect.meaning(&wanted) else { continue };
+            let title = session.terminal.emphasise(Emphasis::Title, &format!("{wanted} of `{}`", effect.id));
+            text.push(format!("{title}\n\n{}", wrapped_at(&item.replace('`', ""), WIDTH, "")));
+            explained.push(json!({ "kind": "parameter", "name": wanted, "effect": effect.id, "text": item }));
         }
         for model in session.registry.named(&wanted) {
             let description = describe(&session.registry, model)?;
@@ -77,12 +83,13 @@ fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
     let drives = listings();
     let models = session.registry.models().map(|m| m.name.as_str());
     let models = models.chain(drives.iter().map(|listing| listing.drive.name()));
-    let effects = effects::ALL.into_iter().map(|e| e.id);
+    let effects =
+        effects::ALL.into_iter().flat_map(|e| [e.id].into_iter().chain(e.parameters.iter().map(|p| p.name)));
     let known = models.chain(effects).chain(terms().iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
     Failure::Argument {
         option: "NAME",
-        reason: format!("there is no effect, model or term `{written}`"),
+        reason: format!("there is no effect, parameter, model or term `{written}`"),
         remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
     }
 }

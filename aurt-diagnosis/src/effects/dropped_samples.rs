@@ -1,8 +1,8 @@
 //! `dropped_samples`: rows that are missing, repeated, held or corrupt.
 //!
 //! # What it is
-//! The logger lost packets, wrote one twice, repeated old values under new stamps, or wrote invalid values. No
-//! physics of the robot is involved, but physics fitted to such rows is wrong.
+//! The logger lost packets, wrote one twice, repeated old values of all joints or of one under new stamps, or wrote
+//! invalid values. No physics of the robot is involved, but physics fitted to such rows is wrong.
 //!
 //! - `share`: share of the rows concerned;
 //! - `missing`, `repeated`, `held`, `corrupt`: how many of each kind.

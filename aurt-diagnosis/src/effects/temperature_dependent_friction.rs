@@ -1,10 +1,11 @@
 //! `temperature_dependent_friction`: friction that drifts along the recording.
 //!
 //! # What it is
-//! τ = (F_T sgn q̇ + F_Tv q̇) ln(1 + t/60 s), t the time since the recording began. Lubricant warms up as the
+//! τ = (F_T sgn q̇ + F_Tv q̇) ln(1 + t/T), t the time since the recording began. Lubricant warms up as the
 //! robot works and becomes thinner. Its temperature is rarely logged; the logarithm of the uptime replaces it.
 //!
-//! - `rate_per_efold`: relative change of friction at a typical speed each time the uptime grows by the factor
+//! - `coulomb_per_efold_nm`, `viscous_per_efold_nm_s`: F_T and F_Tv; `warming_time_s`: T;
+//! - `rate_per_efold`: relative change of friction at a typical speed, `typical_velocity_rad_s`, each time the uptime grows by the factor
 //!   e; −0.01 to −0.04 was measured on a robot that was already warm.
 //!
 //! # How it shows

@@ -1,4 +1,4 @@
-//! Faults of a recording that have nothing to do with the robot's physics: clipped measurements, rows that are
+//! Faults of a recording that have nothing to do with the robot's physics: clipped or stuck measurements, rows that are
 //! missing, repeated, held or corrupt.
 //!
 //! They are looked for in the raw recording, before physics is judged: physics fitted to faulty samples invents
@@ -8,6 +8,7 @@
 
 mod rows;
 mod saturation;
+mod stuck;
 #[cfg(test)]
 mod tests;
 

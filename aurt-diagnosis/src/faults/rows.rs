@@ -6,14 +6,19 @@
 //! - *Held*: a new stamp with old values. Noisy measurements do not repeat on all joints at once, so where they do,
 //!   and the arm goes on afterwards, the row is an old one. Positions alone that repeat are old if the motion
 //!   before and after makes at least two steps of an encoder in a row's time: a true encoder cannot stand still
-//!   then.
+//!   then. So are the rows in which one joint's measurement is stuck (`stuck`).
 //! - *Corrupt*: dropped by the reader, a measurement that leaps away for a single row, or measurements of all joints that are
 //!   zero for a few rows: the message had none.
 
-use super::{CERTAIN, Fault, log10_poisson_tail, resolution, windows_s};
+use super::{
+    CERTAIN, Fault, log10_poisson_tail, resolution,
+    stuck::{self, Stuck},
+    windows_s,
+};
 use crate::effects::dropped_samples;
 use crate::parameters::{ParameterValue, Parameters};
 use aurt_recording::{Recording, median_step_s, white_level};
+use aurt_traits::RobotNames;
 
 /// Faulty rows below this number are not worth a word.
 const FEWEST: usize = 3;
@@ -57,9 +62,13 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     let same_stamp = repeated(recording);
     let repeated = mark(&mut spoilt, |k| same_stamp[k]);
     let held_rows = held(recording, &spoilt);
-    let held = mark(&mut spoilt, |k| held_rows[k]);
+    let mut held = mark(&mut spoilt, |k| held_rows[k]);
     let corrupt_rows = corrupt(recording);
     let corrupt = mark(&mut spoilt, |k| corrupt_rows[k]) + recording.report.dropped_rows;
+    let stuck = stuck::find(recording, &spoilt);
+    for s in &stuck {
+        held += mark(&mut spoilt, |k| (s.rows[0]..s.rows[1]).contains(&k));
+    }
     // Rows that the reader dropped have left gaps of their own.
     let missing = missing.saturating_sub(recording.report.dropped_rows);
     let faulty = missing + repeated + held + corrupt;
@@ -80,16 +89,41 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
             share,
             log10_probability: CERTAIN,
             suffices: share >= SUFFICIENT_SHARE,
-            sentence: format!("{name}: {} rows ({:.2} % in all)", words.join(", "), 100.0 * share),
+            sentence: format!(
+                "{name}: {} rows ({:.2} % in all){}",
+                words.join(", "),
+                100.0 * share,
+                said(recording, &stuck)
+            ),
         }
     });
     RowFaults { fault, spoilt, gaps_s }
 }
 
+/// Where measurements are stuck.
+fn said(recording: &Recording, stuck: &[Stuck]) -> String {
+    let names = RobotNames::of_joints(recording.joints.names());
+    let (time, unit) = (&recording.time_s, recording.unit.symbol());
+    let sentence = |s: &Stuck| {
+        let [from, to] = [s.rows[0], s.rows[1] - 1].map(|k| time[k] - time[0]);
+        // Not −0.
+        let (joint, value) = (names.joint(s.joint), s.value + 0.0);
+        format!(
+            "; the measurement of {joint} is constantly {value} {unit} from {from:.2} to {to:.2} s, though the joint goes to and fro"
+        )
+    };
+    stuck.iter().map(sentence).collect()
+}
+
 /// Rows that are held or corrupt.
 pub(super) fn unusable(recording: &Recording) -> Vec<bool> {
     let old = held(recording, &repeated(recording));
-    old.into_iter().zip(corrupt(recording)).map(|(old, corrupt)| old || corrupt).collect()
+    let mut bad: Vec<bool> =
+        old.into_iter().zip(corrupt(recording)).map(|(old, corrupt)| old || corrupt).collect();
+    for s in stuck::find(recording, &bad) {
+        bad[s.rows[0]..s.rows[1]].fill(true);
+    }
+    bad
 }
 
 /// Marks further samples; how many were not marked yet.

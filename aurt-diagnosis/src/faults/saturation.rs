@@ -16,7 +16,7 @@ const FEWEST: usize = 5;
 
 /// Decimal logarithm of the probability below which a limit is accepted: with some ten joints and recordings,
 /// both sides each, one false alarm in a hundred thousand diagnoses.
-const LOG10_ACCEPTED: f64 = -7.0;
+pub(super) const LOG10_ACCEPTED: f64 = -7.0;
 
 /// Steps of the resolution below the extreme that are compared with it.
 const STEPS_BELOW: f64 = 8.5;
@@ -122,7 +122,7 @@ fn side(series: &[f64], sign: f64, moves: &[bool], spoilt: &[bool]) -> Side {
 }
 
 /// Whether the joint moves around each sample, by more than the resolution of its position.
-fn moving(position: &[f64]) -> Vec<bool> {
+pub(super) fn moving(position: &[f64]) -> Vec<bool> {
     let least = 3.0 * resolution(position);
     let last = position.len().saturating_sub(1);
     (0..position.len())

@@ -80,6 +80,36 @@ fn what_was_left_out_on_purpose_is_not_missing() {
     assert!(RecordingFaults::find("made", &shorter).faults.is_empty());
 }
 
+/// A third of the recording in which measurements stay what they were, or are zero, of one joint or of all.
+#[test]
+fn stuck_measurements_are_left_out() {
+    let made = recording(3, 250.0, 0.0, 0.05, 1e-3);
+    let rows = 500..2000;
+    for joints in [vec![1], vec![0, 1]] {
+        for value in [None, Some(0.0)] {
+            let mut bad = made.clone();
+            for joint in &joints {
+                let series = &mut bad.measurement.as_mut().unwrap()[*joint];
+                let value = value.unwrap_or(series[rows.start]);
+                series[rows.clone()].fill(value);
+            }
+            let found = RecordingFaults::find("made", &bad);
+            assert_eq!(effects(&found), vec!["dropped_samples"]);
+            assert!(found.spoilt[rows.clone()].iter().all(|b| *b), "{joints:?}");
+            assert!(found.spoilt.iter().filter(|b| **b).count() <= rows.len() + 2);
+            let sentence = &found.faults[0].sentence;
+            for joint in &joints {
+                assert!(sentence.contains(&format!("of joint {joint} is constantly")), "{sentence}");
+            }
+            assert!(sentence.contains("from 2.00 to 8.00 s"), "{sentence}");
+            assert_eq!(
+                without_unusable_rows(&bad).unwrap().samples(),
+                found.repaired(&bad).unwrap().samples()
+            );
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

@@ -164,6 +164,16 @@ impl Effect {
         lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
     }
 
+    /// What the explanation says of a parameter.
+    #[must_use]
+    pub fn meaning(&self, parameter: &str) -> Option<String> {
+        self.parameter(parameter)?;
+        let (page, quoted) = (self.explanation(), format!("`{parameter}`"));
+        let item = page.split("\n- ").skip(1).find(|item| item.contains(&quoted))?;
+        let words: Vec<&str> = item.split("\n\n").next()?.split_whitespace().collect();
+        Some(words.join(" "))
+    }
+
     /// The parameter of a canonical name.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {

@@ -84,6 +84,17 @@ fn every_explanation_has_all_sections_and_says_something_in_each() {
 }
 
 #[test]
+fn every_parameter_has_a_meaning() {
+    for effect in effects::ALL {
+        for parameter in effect.parameters {
+            let meaning = effect.meaning(parameter.name);
+            assert!(meaning.is_some_and(|m| m.len() > 15), "{}: `{}`", effect.id, parameter.name);
+        }
+        assert_eq!(effect.meaning("no_parameter"), None);
+    }
+}
+
+#[test]
 fn what_an_explanation_names_as_confusable_exists() {
     let known: BTreeSet<&str> = effects::ALL.iter().map(|e| e.id).collect();
     for effect in effects::ALL {

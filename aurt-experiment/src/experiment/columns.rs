@@ -37,6 +37,8 @@ pub enum JointColumns {
         /// Column of the last joint.
         last: usize,
     },
+    /// Columns from 0, joint after joint.
+    Numbers(Vec<usize>),
     /// Names in the header, joint after joint.
     Names(Vec<String>),
 }
@@ -65,17 +67,39 @@ impl From<&JointColumns> for ColumnsRef {
     fn from(columns: &JointColumns) -> Self {
         match columns {
             JointColumns::Range { first, last } => Self::Range { first: *first, last: *last },
+            JointColumns::Numbers(numbers) => {
+                Self::List(numbers.iter().copied().map(ColumnRef::Index).collect())
+            }
             JointColumns::Names(names) => Self::List(names.iter().cloned().map(ColumnRef::Name).collect()),
         }
     }
 }
 
 impl JointColumns {
+    /// Columns by number: two are the first and the last, others one for each joint.
+    ///
+    /// # Errors
+    /// A first column after the last, and no numbers at all.
+    pub fn numbered(key: &str, numbers: Vec<usize>) -> Result<Self, String> {
+        match numbers[..] {
+            [] => {
+                Err(format!("`{key}` expects [first, last], or one column per joint, by number or by name"))
+            }
+            [first, last] if first > last => Err(format!(
+                "`{key}`: the first column, {first}, comes after the last, {last}; for two joints the other way round name their \
+                 columns"
+            )),
+            [first, last] => Ok(Self::Range { first, last }),
+            _ => Ok(Self::Numbers(numbers)),
+        }
+    }
+
     /// Number of columns.
     #[must_use]
     pub const fn count(&self) -> usize {
         match self {
             Self::Range { first, last } => *last + 1 - *first,
+            Self::Numbers(numbers) => numbers.len(),
             Self::Names(names) => names.len(),
         }
     }
@@ -108,30 +132,20 @@ pub(super) fn column(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<
 
 pub(super) fn joint_columns(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<JointColumns> {
     let NodeKind::Array(items) = &node.kind else {
-        let message = format!("expects [first, last] or one name per joint, found {}", node.kind_name());
+        let message = format!("expects [first, last] or one column per joint, found {}", node.kind_name());
         table.complain(key, node, &message, None);
         return None;
     };
     let columns = if !items.is_empty() && items.iter().all(|i| i.as_str().is_some()) {
         JointColumns::Names(items.iter().filter_map(Node::as_str).map(str::to_owned).collect())
     } else {
-        let indices = table.indices_of(key, node, "columns")?;
-        let [first, last] = indices[..] else {
-            let message = format!(
-                "expects the first and the last column, [first, last], found {} numbers",
-                indices.len()
-            );
-            table.complain(key, node, &message, Some("or one name per joint".to_owned()));
-            return None;
-        };
-        if first > last {
-            table.reader.complain(Complaint::new(
-                node.span.clone(),
-                format!("`{key}`: the first column, {first}, comes after the last, {last}"),
-            ));
-            return None;
+        match JointColumns::numbered(key, table.indices_of(key, node, "columns")?) {
+            Ok(columns) => columns,
+            Err(message) => {
+                table.reader.complain(Complaint::new(node.span.clone(), message));
+                return None;
+            }
         }
-        JointColumns::Range { first, last }
     };
     table.reader.check_joints(JointCheck::Length {
         key: key.to_owned(),

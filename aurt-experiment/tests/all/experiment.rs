@@ -414,7 +414,7 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     let [plain, own] = &e.recordings.calibration[..] else { panic!("{:?}", e.recordings) };
     let first = |source: &RecordingSource| match &source.columns.as_ref().unwrap().position {
         JointColumns::Range { first, .. } => *first,
-        JointColumns::Names(_) => panic!("{source:?}"),
+        JointColumns::Numbers(_) | JointColumns::Names(_) => panic!("{source:?}"),
     };
     assert_eq!((first(plain), first(own)), (1, 4));
     assert!([plain, own].iter().all(|s| s.recorded.drop == Some(DroppedRows::NotANumber)));

@@ -354,6 +354,7 @@ impl Search<'_> {
             return None;
         }
         singles.extend(self.all(setup, &others, &[]));
+        singles.extend(self.reordered(setup, &singles));
         if let Some(best) = self.told(setup, now, &singles) {
             return Some(self.refined(setup, best));
         }
@@ -419,6 +420,27 @@ impl Search<'_> {
             step.after = self.bench.score(&now).unwrap_or_else(|| score.clone());
         }
         score
+    }
+
+    /// The likeliest order of columns after further exchanges of two, each the best of all: any order is a product of them.
+    fn reordered(&mut self, setup: &Setup, tried: &[Tried]) -> Option<Tried> {
+        let least = |a: &&Tried, b: &&Tried| a.score.logarithm().total_cmp(&b.score.logarithm());
+        let orders = tried
+            .iter()
+            .filter(|t| matches!(t.last(), Some(Mistake::Reading { what: Reading::Order { .. }, .. })));
+        let first = orders.min_by(least)?;
+        let mut best = first.clone();
+        loop {
+            let exchanged = best.last().map(Mistake::exchanges).unwrap_or_default();
+            let next = self.all(setup, &exchanged, &[]);
+            match next.iter().min_by(least) {
+                Some(next) if next.score.logarithm() < best.score.logarithm() - LEAST_STEP => {
+                    best = next.clone()
+                }
+                _ => break,
+            }
+        }
+        (best.mistakes != first.mistakes).then_some(best)
     }
 
     fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {

@@ -221,12 +221,19 @@ fn columns_of(columns: Columns) -> &'static str {
 }
 
 fn permutation(order: &[usize], names: RobotNames<'_>) -> String {
-    let moved: Vec<usize> = (0..order.len()).filter(|j| order[*j] != *j).collect();
+    let joints = order.len();
+    let moved: Vec<usize> = (0..joints).filter(|j| order[*j] != *j).collect();
+    let is_rotated = |by: usize| (0..joints).all(|j| order[j] == (j + by) % joints);
     match moved[..] {
         [_, _] => format!("{} exchanged", names.joint_list(&moved)),
         _ if order.iter().rev().copied().eq(0..order.len()) => "tip first".into(),
-        _ if order.first() == Some(&1) => "the last joint first".into(),
-        _ => "the first joint last".into(),
+        _ if is_rotated(1) => "the last joint first".into(),
+        _ if is_rotated(joints - 1) => "the first joint last".into(),
+        _ => {
+            // The place of joint j in the file is order[j].
+            let in_file = (0..joints).filter_map(|place| order.iter().position(|p| *p == place));
+            names.joint_list(&in_file.collect::<Vec<_>>())
+        }
     }
 }
 
