@@ -4,8 +4,8 @@
 //! The row of time t holds q(t) and τ(t − d): to first order, y = τ − d τ̇. Position and current come over
 //! different buses, are filtered differently, or a logger pairs the values of two cycles.
 //!
-//! - `delay_s`: d ≥ 0, s, usually one to ten samples; as a rule the same for all joints, since they share the
-//!   bus.
+//! - `delay_s`: d, s, usually one to ten samples, below zero where positions are late; as a rule the same for all
+//!   joints, since they share the bus.
 //!
 //! # How it shows
 //! Residuals follow the slope of the torque; at reversals, where friction steps, they are peaks as wide as the
@@ -40,7 +40,7 @@ pub static EFFECT: Effect = Effect {
     is_whole_arm: true,
     concerns_all_joints: true,
     propose: |context| {
-        let column = |which| Proposal::instrument((0..context.joints).collect(), 0, which).bound(&[true]);
+        let column = |which| Proposal::instrument((0..context.joints).collect(), 0, which);
         [Instrument::Delay, Instrument::DelayOfAll].map(column).to_vec()
     },
     ..Effect::BASE

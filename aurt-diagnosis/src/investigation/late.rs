@@ -1,8 +1,10 @@
-//! Measurements that come late: found by shifting them, and undone.
+//! Measurements that come late, or positions that do: found by shifting them, and undone.
 //!
 //! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
 //! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
+
+use std::collections::VecDeque;
 
 use aurt_recording::Segment;
 
@@ -16,7 +18,7 @@ use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::vocabulary::Addition;
 
-/// How late the measurement is.
+/// How late the measurement is; below zero the positions are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
     /// By how much, s.
@@ -120,8 +122,10 @@ impl Delay {
 struct Scan {
     target_only: bool,
     step_s: f64,
-    /// Of delays −1, 0, 1, … steps.
-    errors: Vec<Vec<f64>>,
+    /// Of delays −before … steps, one after the other.
+    errors: VecDeque<Vec<f64>>,
+    /// Delays below zero.
+    before: usize,
     /// A delay near the lowest point, and the errors a quarter of a step before it, at it, and as much after it.
     fine: Option<(f64, [Vec<f64>; 3])>,
     floor: Vec<f64>,
@@ -160,17 +164,26 @@ impl Scan {
         let mut scan = Self {
             target_only,
             step_s,
-            errors: vec![at(-step_s), at(0.0)],
+            errors: [-step_s, 0.0, step_s].map(&mut at).into(),
+            before: 1,
             fine: None,
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
             reduction: -(1.0 - question.selection.reduction).ln(),
         };
-        for k in 1..=STEPS {
-            scan.errors.push(at(k as f64 * step_s));
-            if k + 1 >= scan.lowest() + BEYOND {
+        // Downhill.
+        let is_negative = scan.value(&scan.errors[0]) < scan.value(&scan.errors[2]);
+        for k in 2..=STEPS {
+            let beyond = if is_negative { scan.lowest() } else { scan.errors.len() - 1 - scan.lowest() };
+            if beyond >= BEYOND {
                 break;
+            }
+            if is_negative {
+                scan.errors.push_front(at(-(k as f64) * step_s));
+                scan.before = k;
+            } else {
+                scan.errors.push_back(at(k as f64 * step_s));
             }
         }
         if let Some((delay_s, _)) = scan.vertex() {
@@ -180,15 +193,15 @@ impl Scan {
         scan
     }
 
-    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none at −1 steps, or
-    /// where the scan ended.
+    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none where the scan
+    /// ended.
     fn vertex(&self) -> Option<(f64, f64)> {
         let lowest = self.lowest();
         if lowest < 1 || lowest + 1 >= self.errors.len() {
             return None;
         }
         let around = [lowest - 1, lowest, lowest + 1].map(|k| self.value(&self.errors[k]));
-        Some(parabola((lowest as f64 - 1.0) * self.step_s, self.step_s, around))
+        Some(parabola((lowest as f64 - self.before as f64) * self.step_s, self.step_s, around))
     }
 
     /// Σ_j ½ n_eff log(MSE / floor). What lies below the floor counts as well: it has its minimum there.
@@ -222,13 +235,13 @@ impl Scan {
         let steps = &self.errors[self.lowest()];
         let fine = self.fine.as_ref().map(|(_, around)| &around[1]);
         let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
-        let score = self.value(&self.errors[1]) - self.value(least);
-        let gain =
-            |j: &usize| self.log_error(&self.errors[1], *j) - self.log_error(least, *j) > self.reduction;
+        let none = &self.errors[self.before];
+        let score = self.value(none) - self.value(least);
+        let gain = |j: &usize| self.log_error(none, *j) - self.log_error(least, *j) > self.reduction;
         let joints = self.effective.len();
         let shown = (0..joints).filter(gain).count();
         let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
-        let clear = delay.delay_s > CLEAR * delay.std_s;
+        let clear = delay.delay_s.abs() > CLEAR * delay.std_s;
         (score > self.least && clear && shown as f64 >= JOINTS_SHARE * joints as f64).then_some(delay)
     }
 }
@@ -369,7 +382,8 @@ mod tests {
         Scan {
             target_only: false,
             step_s: 0.002,
-            errors,
+            errors: errors.into(),
+            before: 1,
             fine: None,
             floor: vec![1.0; joints],
             effective: vec![200.0; joints],
@@ -398,6 +412,9 @@ mod tests {
         let found = scan((-1..8).map(|k| vec![error(k, 3.3), error(k, 3.3)]).collect()).delay().unwrap();
         assert!((found.delay_s - 0.0066).abs() < 0.0006, "{found:?}");
         assert!(found.std_s < 0.001);
+        let mut early = scan((-5..2).map(|k| vec![error(k, -3.3); 2]).collect());
+        early.before = 5;
+        assert!((early.delay().unwrap().delay_s + 0.0066).abs() < 0.0006);
     }
 
     #[test]
