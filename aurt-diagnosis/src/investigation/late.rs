@@ -40,7 +40,7 @@ pub struct Late {
     pub before: Box<Investigation>,
 }
 
-/// One clock stamps all joints: this share of them has to show the delay by the least reduction of an effect.
+/// One clock stamps all joints: this share of them has to show the delay, more than speak against it.
 const JOINTS_SHARE: f64 = 0.5;
 
 /// Steps of the scan per period of `f_dyn_hz`: V is a parabola over several of them.
@@ -55,7 +55,7 @@ const BEYOND: usize = 4;
 /// Share of a step at which the lowest point is looked at once more.
 const FINE: f64 = 0.25;
 
-/// A delay within so many of its deviations of none is none.
+/// A delay within so many of its deviations of none is none; on a single joint that is evidence of half its square, in nats.
 const CLEAR: f64 = 3.0;
 
 impl Investigation {
@@ -133,7 +133,7 @@ struct Scan {
     effective: Vec<f64>,
     /// What a score has to exceed.
     least: f64,
-    /// Least log-MSE that a joint has to gain.
+    /// Least log-MSE that an effect has to gain, on one joint or over all.
     reduction: f64,
 }
 
@@ -237,12 +237,19 @@ impl Scan {
         let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
         let none = &self.errors[self.before];
         let score = self.value(none) - self.value(least);
-        let gain = |j: &usize| self.log_error(none, *j) - self.log_error(least, *j) > self.reduction;
         let joints = self.effective.len();
-        let shown = (0..joints).filter(gain).count();
+        let gains: Vec<f64> =
+            (0..joints).map(|j| self.log_error(none, j) - self.log_error(least, j)).collect();
+        // Of a joint whose own delay is d_j, the gain at d is positive where d_j is nearer to d than to none.
+        let shows = |sign: f64| {
+            let evident = |(gain, effective): &(&f64, &f64)| sign * *gain * *effective > 0.5 * CLEAR * CLEAR;
+            gains.iter().zip(&self.effective).filter(evident).count() as f64
+        };
+        let agreed = shows(1.0) - shows(-1.0) >= JOINTS_SHARE * joints as f64;
+        let matters = gains.iter().sum::<f64>() > self.reduction;
         let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
         let clear = delay.delay_s.abs() > CLEAR * delay.std_s;
-        (score > self.least && clear && shown as f64 >= JOINTS_SHARE * joints as f64).then_some(delay)
+        (score > self.least && clear && agreed && matters).then_some(delay)
     }
 }
 
