@@ -286,7 +286,10 @@ fn corrupt(recording: &Recording) -> Vec<bool> {
         };
         let mut leaps = (2..n.saturating_sub(2)).filter_map(leap_at).peekable();
         if leaps.peek().is_some() {
-            let noise = white_level(series).max(resolution(series));
+            // A measurement that is held, or clipped, is quiet in between only.
+            let mut changing = series.clone();
+            changing.dedup();
+            let noise = white_level(&changing).max(resolution(series));
             leaps.filter(|(_, leap)| *leap > SPIKE * noise).for_each(|(k, _)| found[k] = true);
         }
     }

@@ -311,3 +311,13 @@ fn real_recordings_have_the_faults_that_they_have() {
         }
     }
 }
+
+/// Of a measurement that is at its limit most of the time, what lies within is no spike.
+#[test]
+fn a_clipped_measurement_has_no_spikes() {
+    let mut made = recording(5, 500.0, 0.0, 0.3, 1e-4);
+    let series = &mut made.measurement.as_mut().unwrap()[1];
+    series.iter_mut().for_each(|v| *v = v.clamp(-4.0, 4.0));
+    let found = RecordingFaults::find("made", &made);
+    assert_eq!(effects(&found), vec!["saturation"]);
+}

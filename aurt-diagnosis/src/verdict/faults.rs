@@ -6,61 +6,108 @@ use crate::parameters::ParameterValue;
 use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::verdict::{Evidence, Finding};
-use crate::vocabulary::Unit;
+use crate::vocabulary::{Effect, Unit};
 
 /// A fault is as certain as its probability says, but no verdict is surer than this.
 const SUREST: f64 = 0.99;
 
-/// Findings for the faults that suffice to explain a mismatch, those of one kind together.
+/// Shares of faulty rows that differ by more than so many deviations are two.
+const DIFFER: f64 = 3.0;
+
+/// Findings for the faults that suffice to explain a mismatch, those of one effect together: where the targets have another share
+/// of such rows than the calibration recordings, one for each.
 pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
-    let mut findings: Vec<Finding> = Vec::new();
-    for fault in investigation.faults.iter().filter(|f| f.suffices) {
-        let role = question.recordings.iter().find(|r| r.data.name == fault.recording).map(|r| r.role);
-        let kind = match role {
-            Some(Role::Validation) | None => continue,
-            Some(Role::Calibration) => "calibration",
-            Some(Role::Target) => "target",
-        };
-        if let Some(first) = findings.iter_mut().find(|f| f.effect == fault.effect.id) {
-            first.joints.extend(&fault.joints);
-            first.joints.sort_unstable();
-            first.joints.dedup();
-            if !first.present_in.iter().any(|k| k == kind) {
-                first.present_in.push(kind.to_owned());
-            }
-            if first.recording.as_ref() != Some(&fault.recording) {
-                first.recording = None;
-                first.window_s = None;
-            }
-            continue;
+    let mut effects: Vec<&'static Effect> = Vec::new();
+    for fault in &investigation.faults {
+        if !effects.iter().any(|e| e.id == fault.effect.id) {
+            effects.push(fault.effect);
         }
-        let window = match fault.windows_s.as_slice() {
-            [only] => Some(*only),
-            _ => None,
-        };
-        findings.push(Finding {
-            present_in: vec![kind.to_owned()],
-            recording: Some(fault.recording.clone()),
-            window_s: window,
-            parameters: fault
-                .parameters
-                .iter()
-                .map(|(name, parameter)| {
-                    let measured = fault.effect.parameter(name).is_some_and(|p| p.unit == Unit::Measurement);
-                    let fitted = measured.then(|| in_unit_of_fit(question, fault, parameter)).flatten();
-                    (name.clone(), fitted.unwrap_or_else(|| parameter.clone()))
-                })
-                .collect(),
-            sentence: fault.sentence.clone(),
-            ..Finding::new(
-                fault.effect,
-                fault.joints.clone(),
-                Evidence::of(-fault.log10_probability * std::f64::consts::LN_10, question.selection.score),
-                (1.0 - 10.0_f64.powf(fault.log10_probability)).min(SUREST),
-            )
-        });
+    }
+    let mut findings = Vec::new();
+    for effect in effects {
+        let roles = [Role::Calibration, Role::Target];
+        let of_role = |role| Faulty::of(question, investigation, effect, role);
+        let [reference, target] = roles.map(of_role);
+        // How often a joint meets its limit is a matter of the motion.
+        if effect.is_whole_arm && reference.differs(&target) {
+            findings.extend([target, reference].iter().filter_map(|faulty| faulty.finding(question, effect)));
+        } else {
+            findings.extend(reference.with(target).finding(question, effect));
+        }
     }
     findings
+}
+
+/// The faults of one effect in recordings of one role, or of both.
+struct Faulty<'f> {
+    faults: Vec<(&'f Fault, &'static str)>,
+    /// Faulty rows, and all.
+    rows: [f64; 2],
+}
+
+impl<'f> Faulty<'f> {
+    fn of(question: &Question<'_>, investigation: &'f Investigation, effect: &Effect, role: Role) -> Self {
+        let mut faulty = Self { faults: Vec::new(), rows: [0.0; 2] };
+        let kind = if role == Role::Target { "target" } else { "calibration" };
+        for recording in question.recordings.iter().filter(|r| r.role == role) {
+            let samples = recording.raw.samples() as f64;
+            faulty.rows[1] += samples;
+            let own = |f: &&Fault| f.effect.id == effect.id && f.recording == recording.data.name;
+            for fault in investigation.faults.iter().filter(own) {
+                faulty.rows[0] += fault.share * samples;
+                if fault.suffices {
+                    faulty.faults.push((fault, kind));
+                }
+            }
+        }
+        faulty
+    }
+
+    /// Whether the shares of faulty rows are not the same but for chance.
+    fn differs(&self, other: &Self) -> bool {
+        let [[a, n], [b, m]] = [self.rows, other.rows];
+        let share = (a + b) / (n + m);
+        let deviation = (share * (1.0 - share) * (1.0 / n + 1.0 / m)).sqrt();
+        n > 0.0 && m > 0.0 && (a / n - b / m).abs() > DIFFER * deviation
+    }
+
+    fn with(mut self, other: Self) -> Self {
+        self.faults.extend(other.faults);
+        self
+    }
+
+    /// The finding, with the numbers of the recording that has most of it.
+    fn finding(&self, question: &Question<'_>, effect: &'static Effect) -> Option<Finding> {
+        let (worst, _) = self.faults.iter().max_by(|a, b| a.0.share.total_cmp(&b.0.share))?;
+        let mut joints: Vec<usize> = self.faults.iter().flat_map(|(f, _)| &f.joints).copied().collect();
+        joints.sort_unstable();
+        joints.dedup();
+        let mut present_in: Vec<String> = self.faults.iter().map(|(_, kind)| (*kind).to_owned()).collect();
+        present_in.dedup();
+        let is_one = self.faults.iter().all(|(f, _)| f.recording == worst.recording);
+        let window = match worst.windows_s.as_slice() {
+            [only] if is_one => Some(*only),
+            _ => None,
+        };
+        let parameters = worst.parameters.iter().map(|(name, parameter)| {
+            let measured = effect.parameter(name).is_some_and(|p| p.unit == Unit::Measurement);
+            let fitted = measured.then(|| in_unit_of_fit(question, worst, parameter)).flatten();
+            (name.clone(), fitted.unwrap_or_else(|| parameter.clone()))
+        });
+        Some(Finding {
+            present_in,
+            recording: is_one.then(|| worst.recording.clone()),
+            window_s: window,
+            parameters: parameters.collect(),
+            sentence: worst.sentence.clone(),
+            ..Finding::new(
+                effect,
+                joints,
+                Evidence::of(-worst.log10_probability * std::f64::consts::LN_10, question.selection.score),
+                (1.0 - 10.0_f64.powf(worst.log10_probability)).min(SUREST),
+            )
+        })
+    }
 }
 
 /// A limit of a recorded measurement, after the gains that the fit is made with.
