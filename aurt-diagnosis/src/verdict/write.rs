@@ -120,13 +120,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         warnings: Vec::new(),
         notes: Vec::new(),
     };
-    verdict.notes.extend(
-        investigation
-            .faults
-            .iter()
-            .filter(|f| !f.suffices)
-            .map(|f| format!("{}: {}", f.recording, f.sentence)),
-    );
+    verdict.notes.extend(investigation.faults.iter().filter(|f| !f.suffices).map(|f| f.sentence.clone()));
     verdict.notes.extend(question.recordings.iter().filter_map(left_out));
     if question.unit == MeasurementUnit::Ampere {
         verdict.notes.push(

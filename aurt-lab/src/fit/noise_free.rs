@@ -6,7 +6,7 @@ use aurt_simulation::{
     Robot, SimulationError,
     inject::Gram,
     plant::{TRACE_STEP_S, Traces},
-    sensors::Instrument,
+    sensors::{Instrument, linear_at},
 };
 use aurt_traits::Motion;
 
@@ -45,17 +45,15 @@ impl Samples {
         let series = |all: &[f64]| -> Vec<f64> {
             (0..n).flat_map(|j| kept.iter().map(move |k| all[k * n + j])).collect()
         };
-        let late = (instrument.torque_delay_s / TRACE_STEP_S).round() as isize;
-        let measured_nm = (0..n)
-            .map(|j| {
-                kept.iter()
-                    .map(|k| {
-                        let then = k.saturating_add_signed(-late).min(traces.samples - 1);
-                        instrument.noise_free_nm(j, traces.torque_nm[then * n + j])
-                    })
-                    .collect()
-            })
-            .collect();
+        // As the logger reads it, between samples too.
+        let of_joint = |j: usize| {
+            let at = |k: &usize| {
+                let then_s = traces.time_s(*k) - instrument.torque_delay_s;
+                instrument.noise_free_nm(j, linear_at(&traces.torque_nm, traces, then_s, j))
+            };
+            kept.iter().map(at).collect::<Vec<f64>>()
+        };
+        let measured_nm = (0..n).map(of_joint).collect();
         let motion = Motion::new(
             n,
             kept.iter().map(|k| traces.time_s(*k)).collect(),

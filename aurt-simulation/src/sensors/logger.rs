@@ -249,7 +249,9 @@ fn cubic_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
     here + 0.5 * x * (rise + x * (bend + x * third))
 }
 
-fn linear_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
+/// A series of traces at a time, joined linearly; its ends beyond them.
+#[must_use]
+pub fn linear_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
     let (sample, x) = place(traces, time_s);
     let (here, next) = (sample * traces.joints + joint, (sample + 1) * traces.joints + joint);
     series[here] + x * (series[next] - series[here])

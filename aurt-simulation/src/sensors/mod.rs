@@ -9,4 +9,4 @@ mod logger;
 pub use current::{DriveRipple, NoiseMemory};
 pub use faults::{ClockFaults, CorruptRows};
 pub use instrument::{Channel, Instrument};
-pub use logger::{ColumnNames, Logger, SimulatedRecording};
+pub use logger::{ColumnNames, Logger, SimulatedRecording, linear_at};
