@@ -14,6 +14,7 @@ use crate::evidence::gram::{Moments, dot};
 use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
+use crate::investigation::agreement::agreement;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::vocabulary::Addition;
@@ -40,9 +41,6 @@ pub struct Late {
     pub before: Box<Investigation>,
 }
 
-/// One clock stamps all joints: this share of them has to show the delay, more than speak against it.
-const JOINTS_SHARE: f64 = 0.5;
-
 /// Steps of the scan per period of `f_dyn_hz`: V is a parabola over several of them.
 const STEPS_PER_PERIOD: f64 = 40.0;
 
@@ -55,7 +53,7 @@ const BEYOND: usize = 4;
 /// Share of a step at which the lowest point is looked at once more.
 const FINE: f64 = 0.25;
 
-/// A delay within so many of its deviations of none is none; on a single joint that is evidence of half its square, in nats.
+/// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
 
 impl Investigation {
@@ -237,19 +235,37 @@ impl Scan {
         let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
         let none = &self.errors[self.before];
         let score = self.value(none) - self.value(least);
-        let joints = self.effective.len();
-        let gains: Vec<f64> =
-            (0..joints).map(|j| self.log_error(none, j) - self.log_error(least, j)).collect();
-        // Of a joint whose own delay is d_j, the gain at d is positive where d_j is nearer to d than to none.
-        let shows = |sign: f64| {
-            let evident = |(gain, effective): &(&f64, &f64)| sign * *gain * *effective > 0.5 * CLEAR * CLEAR;
-            gains.iter().zip(&self.effective).filter(evident).count() as f64
-        };
-        let agreed = shows(1.0) - shows(-1.0) >= JOINTS_SHARE * joints as f64;
-        let matters = gains.iter().sum::<f64>() > self.reduction;
-        let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
+        let gains = (0..self.effective.len()).map(|j| self.log_error(none, j) - self.log_error(least, j));
+        let matters = gains.sum::<f64>() > self.reduction;
+        let [mean_s, deviation_s] = agreement(&self.of_joints())?;
+        let agreed = mean_s * delay_s > 0.0 && mean_s.abs() > CLEAR * deviation_s;
+        let delay = Delay { delay_s, std_s: std_s.max(deviation_s), score, target_only: self.target_only };
         let clear = delay.delay_s.abs() > CLEAR * delay.std_s;
         (score > self.least && clear && agreed && matters).then_some(delay)
+    }
+
+    /// The delay that each joint shows by itself, s, and its variance: where the parabola through its mean squared errors is
+    /// lowest, one step beyond none and beyond the common delay included. None of a joint whose errors have no minimum.
+    fn of_joints(&self) -> Vec<Option<[f64; 2]>> {
+        let (lowest, none) = (self.lowest(), self.before);
+        let first = lowest.min(none).saturating_sub(1);
+        let last = (lowest.max(none) + 1).min(self.errors.len() - 1);
+        let n = (last - first + 1) as f64;
+        let middle = 0.5 * (first + last) as f64;
+        let places: Vec<f64> = (first..=last).map(|k| k as f64 - middle).collect();
+        let square = places.iter().map(|u| u * u).sum::<f64>() / n;
+        let spread = places.iter().map(|u| (u * u - square).powi(2)).sum::<f64>();
+        let of_joint = |joint: usize| {
+            let errors = || self.errors.range(first..=last).map(|e| e[joint]).zip(&places);
+            let slope = errors().map(|(e, u)| e * u).sum::<f64>() / (n * square);
+            let bend = errors().map(|(e, u)| e * (u * u - square)).sum::<f64>() / spread;
+            let least = errors().map(|(e, _)| e).fold(f64::INFINITY, f64::min);
+            let place = middle - none as f64 - 0.5 * slope / bend;
+            let variance = least / (2.0 * bend * self.effective[joint]);
+            let is_known = bend > 0.0 && variance > 0.0 && variance.is_finite() && place.is_finite();
+            is_known.then(|| [place * self.step_s, variance * self.step_s * self.step_s])
+        };
+        (0..self.effective.len()).map(of_joint).collect()
     }
 }
 
@@ -422,6 +438,16 @@ mod tests {
         let mut early = scan((-5..2).map(|k| vec![error(k, -3.3); 2]).collect());
         early.before = 5;
         assert!((early.delay().unwrap().delay_s + 0.0066).abs() < 0.0006);
+    }
+
+    #[test]
+    fn joints_that_disagree_show_no_delay() {
+        let error = |k: i32, at: f64| 1.0 + 0.2 * (f64::from(k) - at).powi(2);
+        let at = |places: [f64; 4]| {
+            scan((-1..9).map(|k| places.map(|at| error(k, at)).to_vec()).collect()).delay()
+        };
+        assert!(at([3.0, 3.1, 2.9, 3.2]).is_some());
+        assert_eq!(at([6.0, 5.0, -1.0, 0.5]), None);
     }
 
     #[test]

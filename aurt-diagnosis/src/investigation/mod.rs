@@ -1,5 +1,6 @@
 //! The walk through all rooms, from recordings to what was found.
 
+mod agreement;
 mod contacts;
 mod earned;
 mod fitted;
