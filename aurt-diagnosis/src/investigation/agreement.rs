@@ -1,6 +1,6 @@
-//! What joints agree on.
+//! The value that joints agree on.
 
-/// What joints agree on: the mean of their delays, s, and its deviation, with the joint as the unit: what differs between them
+/// The mean of the delays of joints, s, and its deviation, with the joint as the unit: what differs between them
 /// beyond their own variances is a variance of its own (DerSimonian and Laird 1986, *Control. Clin. Trials* 7; Hartung and Knapp
 /// 2001, *Stat. Med.* 20). One clock stamps all joints, while friction and gears are those of each. None where fewer than two of several
 /// joints tell.
