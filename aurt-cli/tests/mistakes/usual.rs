@@ -268,6 +268,14 @@ pub const MISTAKES: &[Mistake] = &[
         &[&["joints 1 and 2 exchanged"]],
     ),
     mistake(
+        "columns in an order that no exchange or shift makes",
+        |w| {
+            reorder(w, true, &[3, 0, 1, 2, 5, 4]);
+            reorder(w, false, &[3, 0, 1, 2, 5, 4]);
+        },
+        &[&["joints 3, 0, 1, 2, 5 and 4", "[1, 2, 3, 0, 5, 4]"]],
+    ),
+    mistake(
         "measurements shifted by one joint",
         |w| reorder(w, false, &[5, 0, 1, 2, 3, 4]),
         &[&["measurements", "order"]],
