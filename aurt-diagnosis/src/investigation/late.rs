@@ -240,7 +240,7 @@ impl Scan {
         let [mean_s, deviation_s] = agreement(&self.of_joints())?;
         let agreed = mean_s * delay_s > 0.0 && mean_s.abs() > CLEAR * deviation_s;
         let delay = Delay { delay_s, std_s: std_s.max(deviation_s), score, target_only: self.target_only };
-        let clear = delay.delay_s.abs() > CLEAR * delay.std_s;
+        let clear = delay_s.abs() > CLEAR * std_s;
         (score > self.least && clear && agreed && matters).then_some(delay)
     }
 
