@@ -266,7 +266,7 @@ effects! {
     JointCouplingFriction = "joint_coupling_friction" {
         /// The second joint.
         partner: usize,
-        /// Turns of the second joint in the coupling's velocity q̇ + ratio · q̇_partner.
+        /// Turns of the partner in the coupling's velocity q̇ + ratio · q̇_partner.
         ratio: Estimate,
         /// Inertia, kg m².
         inertia_kg_m2: Option<Estimate>,

@@ -4,7 +4,7 @@
 //! The motor of one joint sits before another joint's axis and is driven through it, so its shaft turns at ω =
 //! q̇_j + r q̇_k. What acts on it, f = I ω̇ + F_v ω + F_C sgn ω, loads both joints: τ_j = f and τ_k = r f.
 //!
-//! - `partner`, `ratio`: the second joint k and r, often ±1;
+//! - `partner`, `ratio`: the joint k that the motor of j is driven through, and r, often ±1;
 //! - `inertia_kg_m2`, `viscous_nm_s`, `coulomb_nm`: I, F_v, F_C ≥ 0. On the wrist of a TX40: 0.011 kg m², 0.64
 //!   Nm s/rad, 1.82 Nm.
 //!
@@ -60,15 +60,15 @@ pub static EFFECT: Effect = Effect {
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let coupling = |joint: usize, partner: usize, ratio: f64| {
         let term = json!({"model": "coupling", "joint": joint, "partner": partner, "ratio": ratio});
-        Proposal::term(vec![joint, partner], term)
+        Proposal::term(vec![partner, joint], term)
             .bound(&[true; 3])
             .with("partner", partner as f64)
             .shaped(RATIO)
     };
     let pairs = (0..context.joints).flat_map(|j| (j + 1..context.joints).map(move |k| (j, k)));
-    // A motor is driven through a joint that carries its own: not from one arm to another.
+    // A motor is driven through a joint that carries its own, nearer to the base and not of another arm.
     let pairs = pairs.filter(|(j, k)| !context.apart.contains(&[*j, *k]));
-    pairs.flat_map(|(joint, partner)| RATIOS.map(|ratio| coupling(joint, partner, ratio))).collect()
+    pairs.flat_map(|(partner, joint)| RATIOS.map(|ratio| coupling(joint, partner, ratio))).collect()
 }
 
 #[cfg(test)]
