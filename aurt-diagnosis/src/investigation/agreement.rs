@@ -1,10 +1,37 @@
 //! The value that joints agree on.
 
-/// The mean of the delays of joints, s, and its deviation, with the joint as the unit: what differs between them
-/// beyond their own variances is a variance of its own (DerSimonian and Laird 1986, *Control. Clin. Trials* 7; Hartung and Knapp
-/// 2001, *Stat. Med.* 20). One clock stamps all joints, while friction and gears are those of each. None where fewer than two of several
-/// joints tell.
-pub(super) fn agreement(joints: &[Option<[f64; 2]>]) -> Option<[f64; 2]> {
+use aurt_calibration::two_sided;
+
+/// The mean of the delays of joints, with the joint as the unit. One clock stamps all joints, while friction and gears are those of
+/// each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Agreement {
+    /// The mean, s.
+    pub(super) mean_s: f64,
+    /// Its standard deviation, s.
+    pub(super) std_s: f64,
+    /// Joints beyond the first.
+    pub(super) degrees: usize,
+}
+
+impl Agreement {
+    /// Whether the mean lies so many deviations of a normal number from none, with Student's t for few joints.
+    pub(super) fn is_clear(&self, deviations: f64) -> bool {
+        let t = self.mean_s.abs() / self.std_s;
+        match self.degrees {
+            0 => t > deviations,
+            degrees => two_sided(t, degrees as f64) < two_sided(deviations, NORMAL),
+        }
+    }
+}
+
+/// Degrees of freedom from which on t is normal.
+const NORMAL: f64 = 1e6;
+
+/// The agreement of joints that show a delay, s, of a variance each: what differs between them beyond their own variances is a variance
+/// of its own (DerSimonian and Laird 1986, *Control. Clin. Trials* 7; Hartung and Knapp 2001, *Stat. Med.* 20). None where fewer
+/// than two of several joints tell.
+pub(super) fn agreement(joints: &[Option<[f64; 2]>]) -> Option<Agreement> {
     let known: Vec<[f64; 2]> = joints.iter().flatten().copied().collect();
     if known.len() < joints.len().min(2) {
         return None;
@@ -21,7 +48,7 @@ pub(super) fn agreement(joints: &[Option<[f64; 2]>]) -> Option<[f64; 2]> {
     let between = if others > 0.0 { ((squares - others) / scale).max(0.0) } else { 0.0 };
     let (mean, sum, _, squares) = mean(between);
     let spread = if others > 0.0 { (squares / others).max(1.0) } else { 1.0 };
-    Some([mean, (spread / sum).sqrt()])
+    Some(Agreement { mean_s: mean, std_s: (spread / sum).sqrt(), degrees: known.len() - 1 })
 }
 
 #[cfg(test)]
@@ -30,15 +57,20 @@ mod tests {
 
     #[test]
     fn the_mean_of_joints_is_as_uncertain_as_they_differ() {
-        let [mean, deviation] = agreement(&[Some([1.0, 0.01]), Some([1.0, 0.04]), None]).unwrap();
-        assert!((mean - 1.0).abs() < 1e-12 && (deviation - (1.0_f64 / 125.0).sqrt()).abs() < 1e-12);
+        let alike = agreement(&[Some([1.0, 0.01]), Some([1.0, 0.04]), None]).unwrap();
+        assert!((alike.mean_s - 1.0).abs() < 1e-12 && (alike.std_s - (1.0_f64 / 125.0).sqrt()).abs() < 1e-12);
         // Deviations that are small beside what differs: the deviation of a mean of three numbers.
-        let [mean, deviation] = agreement(&[0.0, 1.0, 5.0].map(|d| Some([d, 1e-9]))).unwrap();
-        assert!(
-            (mean - 2.0).abs() < 1e-6 && (deviation - (7.0_f64 / 3.0).sqrt()).abs() < 1e-6,
-            "{deviation}"
-        );
+        let apart = agreement(&[0.0, 1.0, 5.0].map(|d| Some([d, 1e-9]))).unwrap();
+        assert!((apart.mean_s - 2.0).abs() < 1e-6 && (apart.std_s - (7.0_f64 / 3.0).sqrt()).abs() < 1e-6);
         assert_eq!(agreement(&[Some([1.0, 0.1]), None]), None);
         assert!(agreement(&[Some([1.0, 0.1])]).is_some());
+    }
+
+    #[test]
+    fn few_joints_have_to_be_clearer() {
+        let of = |degrees, t| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear(3.0);
+        assert!(of(0, 3.1) && of(1000, 3.1) && !of(0, 2.9) && !of(1000, 2.9));
+        // Student's t of six degrees of freedom with the probability of three deviations of a normal number.
+        assert!(!of(6, 4.8) && of(6, 5.0));
     }
 }

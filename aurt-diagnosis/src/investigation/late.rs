@@ -237,9 +237,9 @@ impl Scan {
         let score = self.value(none) - self.value(least);
         let gains = (0..self.effective.len()).map(|j| self.log_error(none, j) - self.log_error(least, j));
         let matters = gains.sum::<f64>() > self.reduction;
-        let [mean_s, deviation_s] = agreement(&self.of_joints())?;
-        let agreed = mean_s * delay_s > 0.0 && mean_s.abs() > CLEAR * deviation_s;
-        let delay = Delay { delay_s, std_s: std_s.max(deviation_s), score, target_only: self.target_only };
+        let joints = agreement(&self.of_joints())?;
+        let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear(CLEAR);
+        let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
         let clear = delay_s.abs() > CLEAR * std_s;
         (score > self.least && clear && agreed && matters).then_some(delay)
     }
