@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn few_joints_have_to_be_clearer() {
-        let of = |degrees, t| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear(3.0);
+        let of = |degrees, t: f64| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear(3.0);
         assert!(of(0, 3.1) && of(1000, 3.1) && !of(0, 2.9) && !of(1000, 2.9));
         // Student's t of six degrees of freedom with the probability of three deviations of a normal number.
         assert!(!of(6, 4.8) && of(6, 5.0));

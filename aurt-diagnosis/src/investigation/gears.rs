@@ -58,11 +58,16 @@ pub(super) fn without_gears(
         };
         let is_asked = |gear: &Shaking| joints.contains(&gear.joint);
         found.found.iter_mut().filter(|g| g.confirmed && !is_asked(g)).for_each(Shaking::made_superfluous);
+        let is_last = turn + 1 == turns;
+        if is_last {
+            found.found.iter_mut().for_each(Shaking::require_size);
+        }
         let confirmed = found.found.iter().any(|g| g.confirmed);
-        if turn == 0 || confirmed {
+        if turn == 0 || is_last || confirmed {
             gears = found;
         }
         if !confirmed {
+            freed = freed.filter(|_| !is_last);
             break;
         }
         freed = refitted(question, &original, (&fit, &inertial), &mut gears.found, of_all)?;

@@ -24,6 +24,7 @@ pub use crate::noise::inertia::InertiaColumns;
 pub use series::FullRate;
 pub(crate) use undo::undone;
 
+use aurt_calibration::with_deviation;
 use aurt_recording::Segment;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -321,6 +322,17 @@ impl Shaking {
     pub(crate) fn made_superfluous(&mut self) {
         self.confirmed = false;
         self.fails.push("beside what else was found, the recordings do not show it".to_owned());
+    }
+
+    /// Withdraws a gear that gives way by less than two of its deviations, as other effects whose size may be none are.
+    pub(crate) fn require_size(&mut self) {
+        let [stiffness, std] = self.stiffness_nm_rad;
+        if self.confirmed && self.gap_rad[0] == 0.0 && 2.0 * std > stiffness {
+            self.confirmed = false;
+            let size = with_deviation(stiffness, std);
+            self.fails
+                .push(format!("its stiffness, {size} Nm/rad, is within two standard deviations of none"));
+        }
     }
 
     fn new(found: Found, kinds: [bool; 2]) -> Self {
