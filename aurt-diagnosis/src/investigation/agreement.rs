@@ -14,19 +14,15 @@ pub(super) struct Agreement {
     pub(super) degrees: usize,
 }
 
+/// Of arms whose joints lag each by an amount of its own, around none, so many are taken for late.
+const FALSE_AGREEMENTS: f64 = 0.01;
+
 impl Agreement {
-    /// Whether the mean lies so many deviations of a normal number from none, with Student's t for few joints.
-    pub(super) fn is_clear(&self, deviations: f64) -> bool {
-        let t = self.mean_s.abs() / self.std_s;
-        match self.degrees {
-            0 => t > deviations,
-            degrees => two_sided(t, degrees as f64) < two_sided(deviations, NORMAL),
-        }
+    /// Whether the mean is not none but for chance, by Student's t of as many joints.
+    pub(super) fn is_clear(&self) -> bool {
+        self.degrees == 0 || two_sided(self.mean_s / self.std_s, self.degrees as f64) < FALSE_AGREEMENTS
     }
 }
-
-/// Degrees of freedom from which on t is normal.
-const NORMAL: f64 = 1e6;
 
 /// The agreement of joints that show a delay, s, of a variance each: what differs between them beyond their own variances is a variance
 /// of its own (DerSimonian and Laird 1986, *Control. Clin. Trials* 7; Hartung and Knapp 2001, *Stat. Med.* 20). None where fewer
@@ -68,9 +64,9 @@ mod tests {
 
     #[test]
     fn few_joints_have_to_be_clearer() {
-        let of = |degrees, t: f64| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear(3.0);
-        assert!(of(0, 3.1) && of(1000, 3.1) && !of(0, 2.9) && !of(1000, 2.9));
-        // Student's t of six degrees of freedom with the probability of three deviations of a normal number.
-        assert!(!of(6, 4.8) && of(6, 5.0));
+        let of = |degrees, t: f64| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear();
+        // Quantiles of Student's t: 2.58 of a normal number, 3.71 of seven joints.
+        assert!(of(0, 0.1) && of(100_000, 2.6) && !of(100_000, 2.5));
+        assert!(!of(6, 3.6) && of(6, 3.8));
     }
 }

@@ -238,7 +238,7 @@ impl Scan {
         let gains = (0..self.effective.len()).map(|j| self.log_error(none, j) - self.log_error(least, j));
         let matters = gains.sum::<f64>() > self.reduction;
         let joints = agreement(&self.of_joints())?;
-        let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear(CLEAR);
+        let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
         let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
         let clear = delay_s.abs() > CLEAR * std_s;
         (score > self.least && clear && agreed && matters).then_some(delay)
