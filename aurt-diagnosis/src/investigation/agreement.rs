@@ -10,17 +10,20 @@ pub(super) struct Agreement {
     pub(super) mean_s: f64,
     /// Its standard deviation, s.
     pub(super) std_s: f64,
-    /// Joints beyond the first.
-    pub(super) degrees: usize,
+    /// Degrees of freedom of the deviation: the joints beyond the first where they differ by more than their own variances.
+    pub(super) freedom: f64,
 }
+
+/// Degrees of freedom of a deviation that follows from known variances.
+const NORMAL: f64 = 1e6;
 
 /// Of arms whose joints lag each by an amount of its own, around none, so many are taken for late.
 const FALSE_AGREEMENTS: f64 = 0.01;
 
 impl Agreement {
-    /// Whether the mean is not none but for chance, by Student's t of as many joints.
+    /// Whether the mean is not none but for chance, by Student's t.
     pub(super) fn is_clear(&self) -> bool {
-        self.degrees == 0 || two_sided(self.mean_s / self.std_s, self.degrees as f64) < FALSE_AGREEMENTS
+        two_sided(self.mean_s / self.std_s, self.freedom) < FALSE_AGREEMENTS
     }
 }
 
@@ -44,7 +47,8 @@ pub(super) fn agreement(joints: &[Option<[f64; 2]>]) -> Option<Agreement> {
     let between = if others > 0.0 { ((squares - others) / scale).max(0.0) } else { 0.0 };
     let (mean, sum, _, squares) = mean(between);
     let spread = if others > 0.0 { (squares / others).max(1.0) } else { 1.0 };
-    Some(Agreement { mean_s: mean, std_s: (spread / sum).sqrt(), degrees: known.len() - 1 })
+    let freedom = if between > 0.0 { others } else { NORMAL };
+    Some(Agreement { mean_s: mean, std_s: (spread / sum).sqrt(), freedom })
 }
 
 #[cfg(test)]
@@ -64,9 +68,9 @@ mod tests {
 
     #[test]
     fn few_joints_have_to_be_clearer() {
-        let of = |degrees, t: f64| Agreement { mean_s: -t, std_s: 1.0, degrees }.is_clear();
+        let of = |freedom, t: f64| Agreement { mean_s: -t, std_s: 1.0, freedom }.is_clear();
         // Quantiles of Student's t: 2.58 of a normal number, 3.71 of seven joints.
-        assert!(of(0, 0.1) && of(100_000, 2.6) && !of(100_000, 2.5));
-        assert!(!of(6, 3.6) && of(6, 3.8));
+        assert!(of(NORMAL, 2.6) && !of(NORMAL, 2.5));
+        assert!(!of(6.0, 3.6) && of(6.0, 3.8));
     }
 }
