@@ -264,7 +264,7 @@ impl Scan {
             let variance = least / (2.0 * bend * self.effective[joint]);
             // Whose deviation is longer than what was scanned tells none of these delays from another.
             let is_known = bend > 0.0 && variance > 0.0 && variance < n * n && place.is_finite();
-            is_known.then(|| [place * self.step_s, variance * self.step_s * self.step_s])
+            is_known.then_some([place * self.step_s, variance * self.step_s * self.step_s])
         };
         (0..self.effective.len()).map(of_joint).collect()
     }
