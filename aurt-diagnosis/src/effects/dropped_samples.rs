@@ -9,7 +9,7 @@
 //!
 //! # How it shows
 //! Gaps in the time stamps; stamps or whole rows that repeat; spikes of acceleration of both signs where a held
-//! position catches up. All joints are affected at the same instants.
+//! position catches up. As a rule all joints are affected at the same instants.
 //!
 //! # Easily confused with
 //! - a jittering clock: correct stamps are harmless, since samples are interpolated between them. Alternating

@@ -100,7 +100,7 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     RowFaults { fault, spoilt, gaps_s }
 }
 
-/// Where measurements are stuck.
+/// The sentence on stuck measurements.
 fn said(recording: &Recording, stuck: &[Stuck]) -> String {
     let names = RobotNames::of_joints(recording.joints.names());
     let (time, unit) = (&recording.time_s, recording.unit.symbol());

@@ -45,7 +45,7 @@ fn of_joint(joint: usize, series: &[f64], position: &[f64], spoilt: &[bool]) -> 
     let mut stuck = Vec::new();
     while let Some((rows, length)) = runs.pop() {
         let [sum, squares] = runs.iter().fold([0.0, 0.0], |[s, q], (_, l)| [s + l, q + l * l]);
-        // Of a measurement that never changes nothing can be said.
+        // A measurement that never changes has no other run to compare with.
         if runs.is_empty()
             || (runs.len() as f64).log10() - length * sum / squares * std::f64::consts::LOG10_E
                 > LOG10_ACCEPTED

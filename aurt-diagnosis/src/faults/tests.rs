@@ -312,7 +312,7 @@ fn real_recordings_have_the_faults_that_they_have() {
     }
 }
 
-/// Of a measurement that is at its limit most of the time, what lies within is no spike.
+/// The values between clippings are no spikes.
 #[test]
 fn a_clipped_measurement_has_no_spikes() {
     let mut made = recording(5, 500.0, 0.0, 0.3, 1e-4);

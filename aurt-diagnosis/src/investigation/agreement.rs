@@ -17,11 +17,11 @@ pub(super) struct Agreement {
 /// Degrees of freedom of a deviation that follows from known variances.
 const NORMAL: f64 = 1e6;
 
-/// Of arms whose joints lag each by an amount of its own, around none, so many are taken for late.
+/// Share of arms whose joints lag each by an amount of its own, around none, that are taken for late.
 const FALSE_AGREEMENTS: f64 = 0.01;
 
 impl Agreement {
-    /// Whether the mean is not none but for chance, by Student's t.
+    /// The test of the mean against none, by Student's t.
     pub(super) fn is_clear(&self) -> bool {
         two_sided(self.mean_s / self.std_s, self.freedom) < FALSE_AGREEMENTS
     }

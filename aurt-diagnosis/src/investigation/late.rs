@@ -19,7 +19,7 @@ use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::vocabulary::Addition;
 
-/// How late the measurement is; below zero the positions are.
+/// A delay of the measurement, or of positions where it is below zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
     /// By how much, s.

@@ -324,7 +324,7 @@ impl Shaking {
         self.fails.push("beside what else was found, the recordings do not show it".to_owned());
     }
 
-    /// Withdraws a gear that gives way by less than two of its deviations, as other effects whose size may be none are.
+    /// Withdraws an elastic gear whose compliance is within two deviations of none, as it is done with the size of other effects.
     pub(crate) fn require_size(&mut self) {
         let [stiffness, std] = self.stiffness_nm_rad;
         if self.confirmed && self.gap_rad[0] == 0.0 && 2.0 * std > stiffness {

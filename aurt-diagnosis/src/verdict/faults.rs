@@ -116,3 +116,16 @@ fn in_unit_of_fit(question: &Question<'_>, fault: &Fault, limit: &ParameterValue
     let gains = recording.options.gains.as_ref()?;
     Some(ParameterValue::exact(limit.value.as_f64()? * gains[*fault.joints.first()?].abs()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_compared_by_what_chance_makes_of_them() {
+        let of = |faulty, all| Faulty { faults: Vec::new(), rows: [faulty, all] };
+        assert!(of(7.0, 7900.0).differs(&of(84.0, 4439.0)));
+        assert!(!of(7.0, 7900.0).differs(&of(8.0, 4000.0)));
+        assert!(!of(0.0, 0.0).differs(&of(84.0, 4439.0)), "nothing to compare with");
+    }
+}

@@ -164,7 +164,7 @@ impl Effect {
         lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
     }
 
-    /// What the explanation says of a parameter.
+    /// The item of the explanation on a parameter.
     #[must_use]
     pub fn meaning(&self, parameter: &str) -> Option<String> {
         self.parameter(parameter)?;

@@ -7,8 +7,8 @@
 use super::{
     evidence::{Evidence, TESTS},
     folds::within,
+    found::Step,
     mistake::Mistake,
-    search::Step,
     setup::Setup,
     trial::Bench,
 };

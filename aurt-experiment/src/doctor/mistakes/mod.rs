@@ -15,6 +15,7 @@ mod correction;
 mod evidence;
 mod explained;
 mod folds;
+mod found;
 mod gravity;
 mod mistake;
 mod search;
@@ -37,8 +38,8 @@ pub use self::{
     columns::oddities,
     correction::corrected,
     explained::{Poor, loudly, poorly_explained},
+    found::Step,
     mistake::{Columns, Mistake, Reading, Table},
-    search::Step,
     setup::{Subject, median_period_s, recordings_of},
     trial::Score,
 };
@@ -66,7 +67,7 @@ pub struct Examination {
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
-    compared: Vec<search::Compared>,
+    compared: Vec<found::Compared>,
     compares_robots: bool,
     /// Whether the sign of gravity is not to be seen.
     has_open_gravity: bool,

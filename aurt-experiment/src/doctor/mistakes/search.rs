@@ -6,6 +6,7 @@ use super::{
     evidence::{Evidence, TESTS},
     explained::LEAST_EXPLAINED,
     folds::{folds, likelier, within},
+    found::{Compared, Found, Step},
     mistake::{Mistake, Reading},
     setup::{Setup, Subject},
     trial::{Bench, Score, WORST},
@@ -29,47 +30,6 @@ const ROUND: f64 = 0.85;
 const LEAST_STEP: f64 = 0.03;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
-
-/// What the search came to.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// How well the setup as it is explains the data; nothing if it allows no fit.
-    pub before: Option<Score>,
-    /// What to undo, in the order of finding, each with the error after it.
-    pub steps: Vec<Step>,
-    /// How well the setup does without the mistakes.
-    pub after: Option<Score>,
-    /// Fits that were tried.
-    pub trials: usize,
-    /// What was compared with the setup that is there or that was found.
-    pub compared: Vec<Compared>,
-}
-
-/// A setup that was compared with the one that is there, or with that without the mistakes found before.
-#[derive(Debug, Clone)]
-pub struct Compared {
-    /// What is undone in it, the last.
-    pub mistake: Mistake,
-    /// How much likelier it makes what is held out.
-    pub across: Evidence,
-    /// How much likelier it makes stretches of recordings, predicted from the rest of their own; where it matters.
-    pub within: Option<Evidence>,
-    /// The error before and after.
-    pub errors: [f64; 2],
-}
-
-/// A mistake that was found.
-#[derive(Debug, Clone)]
-pub struct Step {
-    /// Of another robot that is likelier: the factor of the error with which recordings are predicted from each other.
-    pub likelier: Option<f64>,
-    /// The mistake.
-    pub mistake: Mistake,
-    /// The error once it is undone too.
-    pub after: Score,
-    /// Others that explain the data alike.
-    pub alike: Vec<Mistake>,
-}
 
 #[derive(Clone)]
 struct Tried {

@@ -5,8 +5,8 @@ use aurt_report::rendering::number::significant;
 use aurt_traits::RobotNames;
 
 use super::{
+    found::Step,
     mistake::{Columns, Mistake, Reading, Table},
-    search::Step,
     trial::Score,
 };
 
