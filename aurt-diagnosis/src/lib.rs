@@ -20,11 +20,13 @@
 //! | [`remainder`] | what a black box predicts beyond the improved model |
 //! | [`verdict`] | what may be said of what was found |
 //! | [`injection`] | what would be said if an effect were added to the measurement |
+//! | [`discrimination`] | the motion that decides what is left open |
 //! | [`comparison`] | simpler methods on the same columns |
 //! | [`mod@improvement`] | the experiment with what was found |
 
 pub mod comparison;
 pub mod contact;
+pub mod discrimination;
 pub mod drives;
 pub mod effects;
 mod error;
@@ -49,6 +51,7 @@ pub use contact::{
     Contact, ContactOptions, ContactRows, ForceColumns, StandingRows, find_contacts, find_standing_contacts,
     force_columns,
 };
+pub use discrimination::{Discrimination, Doubt, Interval, Outlook, Planned, Subject, Wanted};
 pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
 pub use faults::{Fault, RecordingFaults, without_unusable_rows};

@@ -19,6 +19,9 @@ pub enum SimulationError {
         /// What it has to be, as a sentence.
         reason: String,
     },
+    /// A motion cannot be read.
+    #[error(transparent)]
+    Recording(#[from] aurt_recording::RecordingError),
     /// A joint or link that the robot does not have.
     #[error("{what} names {part} {index}, but {robot} has {available} (they count from 0)")]
     NoSuchPart {

@@ -125,7 +125,11 @@ impl ScenarioFile {
     pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, SimulationError> {
         let path = path.as_ref();
         let text = SimulationError::text_of(path)?;
-        Self::parse(&text, path)?.planned().map_err(|(table, index, error)| {
+        let mut scenario = Self::parse(&text, path)?;
+        if let (Motion::Recorded { file }, Some(folder)) = (&mut scenario.motion, path.parent()) {
+            *file = folder.join(&*file);
+        }
+        scenario.planned().map_err(|(table, index, error)| {
             let reason = error.to_string();
             SimulationError::at(path, &text, Places::of(&text).begin(table, index), reason)
         })

@@ -65,8 +65,8 @@ pub struct Excite {
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]
     seed: u64,
-    /// File for the motion
-    #[arg(long, value_name = "CSV")]
+    /// File for the motion: .csv, .yaml (a trajectory of ROS 2) or .script (URScript)
+    #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
 
@@ -102,7 +102,7 @@ impl Excite {
         if self.torque_limits {
             trajectory.check_torque(&robot)?;
         }
-        out.write(&trajectory.csv(self.rate_hz)?)?;
+        out.write(&trajectory.formatted(out.path(), self.rate_hz, &[])?)?;
         let kind = self.kind.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
         let mut text =
             format!("{kind} motion of {} joints over {:.1} s\n", robot.joints(), trajectory.duration_s());

@@ -18,6 +18,7 @@ mod init;
 mod man;
 mod models;
 mod new_plugin;
+mod next;
 mod planned_robot;
 pub mod plots;
 mod predict;
@@ -48,6 +49,7 @@ pub enum Command {
     CalibrateValidate(calibrate_validate::CalibrateValidate),
     Predict(predict::Predict),
     Diagnose(diagnose::Diagnose),
+    Next(next::NextMotion),
     Sweep(sweep::Sweep),
     Sensitivity(sensitivity::Sensitivity),
     Track(track::Track),
@@ -67,7 +69,7 @@ pub enum Command {
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 7] = [
     ("Start here", &["demo", "init", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track", "gains"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "next", "sensitivity", "track", "gains"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Models in other programs", &["export"]),
     (
@@ -107,6 +109,7 @@ impl Command {
             Self::Predict(command) => command.run(session),
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
+            Self::Next(command) => command.run(session),
             Self::Sensitivity(command) => command.run(session),
             Self::Track(command) => command.run(session),
             Self::Gains(command) => command.run(session),

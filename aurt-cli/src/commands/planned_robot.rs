@@ -279,7 +279,7 @@ const HIGHEST_VELOCITY_RAD_S: f64 = 100.0;
 const HIGHEST_ACCELERATION_RAD_S2: f64 = 1e4;
 
 /// Reads limits: a header with [`COLUMNS`] in any order, and a row for each joint.
-fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure> {
+pub fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure> {
     let table = TableFile::read(
         path,
         "write the columns lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2 and a row for each joint",

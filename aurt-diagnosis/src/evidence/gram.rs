@@ -30,7 +30,15 @@ impl Moments {
         }
     }
 
-    fn add(&mut self, other: &Self, sign: f64) {
+    /// Takes the moments `factor` times.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.gram.iter_mut().chain(&mut self.right).for_each(|value| *value *= factor);
+        self.square *= factor;
+        self.rows *= factor;
+    }
+
+    /// Adds other moments, `sign` times.
+    pub(crate) fn add(&mut self, other: &Self, sign: f64) {
         for (a, b) in self.gram.iter_mut().zip(&other.gram) {
             *a += sign * b;
         }

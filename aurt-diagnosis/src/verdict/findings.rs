@@ -9,11 +9,11 @@ use crate::investigation::{Fitted, Investigation, concerned};
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::recordings::rows::Role;
 use crate::request::Question;
-use crate::search::selection::Chosen;
+use crate::search::selection::{Chosen, Rival};
 use crate::verdict::confidence::confidence;
 use crate::verdict::sentence::sentence;
 use crate::verdict::{Alternative, Evidence, Finding, Indication};
-use crate::vocabulary::OwnFriction;
+use crate::vocabulary::{Effect, OwnFriction};
 
 /// A rival whose torque leaves less than this share outside the model that has the finding cannot be told
 /// from it.
@@ -118,14 +118,7 @@ fn finding(
     let confidence = confidence(one.score, !alternatives.is_empty());
     Some(Finding {
         present_in: present_in(question, investigation, group.target_only()),
-        parameters: parameters
-            .into_iter()
-            .map(|(name, ParameterValue { value, std })| {
-                let gains = effect.parameter(&name).is_some_and(|p| p.unit.follows_gains());
-                let std = if gains { with_gain(&value, std) } else { std };
-                (name, ParameterValue { value, std })
-            })
-            .collect(),
+        parameters: reported(effect, parameters),
         alternatives,
         ..Finding::new(effect, joints, one.into(), confidence)
     })
@@ -160,6 +153,17 @@ fn possible(
         columns.iter_mut().zip(body.standard).for_each(|(column, value)| column.1 = value);
     }
     columns
+}
+
+/// Parameters as a finding reports them: the deviation of what is measured in units of torque has that of the drives' gains in
+/// it.
+pub(crate) fn reported(effect: &Effect, parameters: Parameters) -> Parameters {
+    let of = |(name, ParameterValue { value, std }): (String, ParameterValue)| {
+        let gains = effect.parameter(&name).is_some_and(|p| p.unit.follows_gains());
+        let std = if gains { with_gain(&value, std) } else { std };
+        (name, ParameterValue { value, std })
+    };
+    parameters.into_iter().map(of).collect()
 }
 
 /// Torque constants are known to about this share, one standard deviation, where no experiment says more: makers give
@@ -249,29 +253,42 @@ pub(crate) fn present_in(
     kinds
 }
 
-fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) -> Vec<Alternative> {
+/// The claim's rivals of other effects that describe the recordings as well: alternatives to it.
+pub(crate) fn open_rivals<'i>(
+    investigation: &Investigation,
+    one: &'i Chosen,
+    fitted: &Fitted,
+) -> Vec<&'i Rival> {
     let chosen = &investigation.selection.chosen;
-    let mut found: Vec<Alternative> = Vec::new();
+    let effect = |rival: &Rival| investigation.groups[rival.group].effect;
+    let mut found: Vec<&Rival> = Vec::new();
     for rival in &one.rivals {
         let group = &investigation.groups[rival.group];
         // What the vocabulary has a word for keeps it.
         if !group.is_named() {
             continue;
         }
-        if chosen.iter().any(|c| c.group == rival.group) || found.iter().any(|a| a.effect == group.effect.id)
-        {
+        if chosen.iter().any(|c| c.group == rival.group) || found.iter().any(|r| effect(r) == group.effect) {
             continue;
         }
         let free = investigation.problem.free_share(&fitted.switches, &group.switches, &fitted.weights);
         let inseparable = rival.as_good && free.iter().all(|share| *share <= INSEPARABLE);
         if (rival.open || inseparable) && found.len() < ALTERNATIVES {
-            found.push(Alternative {
-                effect: group.effect.id.to_owned(),
-                joints: group.joints.clone(),
-                score: rival.score,
-                record: group.effect.decider.to_owned(),
-            });
+            found.push(rival);
         }
     }
     found
+}
+
+fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) -> Vec<Alternative> {
+    let alternative = |rival: &Rival| {
+        let group = &investigation.groups[rival.group];
+        Alternative {
+            effect: group.effect.id.to_owned(),
+            joints: group.joints.clone(),
+            score: rival.score,
+            record: group.effect.decider.to_owned(),
+        }
+    };
+    open_rivals(investigation, one, fitted).into_iter().map(alternative).collect()
 }

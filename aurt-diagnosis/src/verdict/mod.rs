@@ -19,9 +19,11 @@ pub(crate) mod transmission;
 mod write;
 
 pub use confidence::Learnt;
+pub(crate) use findings::{open_rivals, reported};
 pub use model::{
     Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
     NotDecidable, NotExamined, RegisteredFinding, SCHEMA, Shift, Verdict,
 };
 pub use series::{JointSeriesRows, RecordingSeries, series};
+pub(crate) use write::share_left;
 pub use write::verdict as write_verdict;

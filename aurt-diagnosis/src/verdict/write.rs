@@ -201,20 +201,24 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
 }
 
 /// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.
+/// Share of a candidate's torque that the model leaves of it where it is looked for; none for what ties two joints and for
+/// registered models, of which nothing is said.
+pub(crate) fn share_left(investigation: &Investigation, candidate: usize) -> Option<f64> {
+    let free = investigation.free[candidate];
+    let candidate = &investigation.candidates[candidate];
+    let ties_joints = candidate.proposal.joints.len() > 1 && !candidate.effect.is_whole_arm;
+    (!ties_joints && candidate.registered.is_none()).then(|| match candidate.proposal.presence {
+        Presence::Change if investigation.problem.has_target() => free[1],
+        Presence::Change => 0.0,
+        Presence::Any => free[0].max(free[1]),
+    })
+}
+
 fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<NotDecidable> {
     let mut absorbed: BTreeMap<&'static str, (&'static Effect, BTreeMap<usize, f64>)> = BTreeMap::new();
-    let target = investigation.problem.has_target();
-    for (candidate, free) in investigation.candidates.iter().zip(&investigation.free) {
+    for (index, candidate) in investigation.candidates.iter().enumerate() {
         let effect = candidate.effect;
-        let ties_joints = candidate.proposal.joints.len() > 1 && !effect.is_whole_arm;
-        if ties_joints || candidate.registered.is_some() {
-            continue;
-        }
-        let share = match candidate.proposal.presence {
-            Presence::Change if target => free[1],
-            Presence::Change => 0.0,
-            Presence::Any => free[0].max(free[1]),
-        };
+        let Some(share) = share_left(investigation, index) else { continue };
         let joint =
             if candidate.proposal.joints.len() > 1 { usize::MAX } else { candidate.proposal.joints[0] };
         let largest =

@@ -115,6 +115,19 @@ pub fn diagnose_experiment(
     options: &DiagnosisOptions,
     progress: &Progress,
 ) -> Result<Diagnosis, Failure> {
+    diagnoser(experiment, registry, options, progress)?.ask(progress, |question, investigation, _| {
+        let found = Found { experiment, options, question, investigation };
+        found.diagnosis(registry, progress)
+    })
+}
+
+/// The question that an experiment asks.
+pub(super) fn diagnoser(
+    experiment: &Experiment,
+    registry: &Registry,
+    options: &DiagnosisOptions,
+    progress: &Progress,
+) -> Result<Diagnoser, Failure> {
     let diagnoser = match &options.frozen {
         Some(calibrated) => Diagnoser::of_given(calibrated.clone()),
         None => Diagnoser::new(experiment.robot_model()?),
@@ -134,11 +147,7 @@ pub fn diagnose_experiment(
         .without(&options.without)
         .registry(registry.clone())
         .named(&experiment.path);
-    let diagnoser = parts.into_iter().fold(named, Diagnoser::part);
-    diagnoser.ask(progress, |question, investigation, _| {
-        let found = Found { experiment, options, question, investigation };
-        found.diagnosis(registry, progress)
-    })
+    Ok(parts.into_iter().fold(named, Diagnoser::part))
 }
 
 /// What an effect must bring: `[diagnosis]` of an experiment, each key one of [`SelectionOptions`].

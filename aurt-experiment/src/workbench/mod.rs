@@ -6,7 +6,7 @@
 //! | [`output`], [`table_file`] | where results go, tables of numbers |
 //! | [`experiments`], [`described_model`] | what an experiment asks of the library; descriptions as models |
 //! | [`streaming`], [`gains`], [`tracking`], [`sweeping`] | recordings longer than memory, gains of drives, drift, variants |
-//! | [`diagnosing`], [`sensitivity`] | what a model lacks, and how large an effect could stay hidden |
+//! | [`diagnosing`], [`next`], [`sensitivity`] | what a model lacks, the motion that decides what is open, and how large an effect could stay hidden |
 //! | [`driving`] | commands and positions instead of torques: drives |
 //! | [`exporting`] | models as files of other programs |
 //! | [`results`], [`reports`] | what these leave behind in files, and their pages |
@@ -21,6 +21,7 @@ pub mod exporting;
 pub mod failure;
 pub mod gains;
 pub mod injected;
+pub mod next;
 pub mod output;
 pub mod reports;
 pub mod results;

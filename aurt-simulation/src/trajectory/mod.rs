@@ -1,15 +1,19 @@
 //! Commanded motions: functions of time that start and end at rest, within a robot's limits.
 
 mod excitation;
+mod formats;
 mod mixed;
 mod multi_sine;
 mod point_to_point;
+mod recorded;
+mod sequence;
 mod velocity_profile;
 
 pub use excitation::{Excitation, ExcitationOptions, excite, excite_bodies};
 pub use multi_sine::MultiSineOptions;
 
 use std::fmt::Debug;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use aurt_rbd::ChainDynamics;
@@ -88,6 +92,11 @@ pub enum Motion {
         /// Share of the velocity limits that the fastest stroke uses, (0, 1].
         share: f64,
     },
+    /// A motion that was planned or recorded.
+    Recorded {
+        /// A table with times and positions, with velocities or without; seen from the scenario's file.
+        file: PathBuf,
+    },
 }
 
 impl Motion {
@@ -98,6 +107,7 @@ impl Motion {
     pub fn plan(&self, robot: &Robot, seed: u64) -> Result<Trajectory, SimulationError> {
         let mut random = Random::labelled(seed, "trajectory");
         let trajectory = match *self {
+            Self::Recorded { ref file } => recorded::read(file)?,
             Self::MultiSine { duration_s, harmonics, top_hz, share } => {
                 let options = MultiSineOptions { duration_s, harmonics, top_hz, share };
                 multi_sine::draw(robot, &options, &mut random)?
@@ -234,32 +244,6 @@ impl Trajectory {
             }
         });
         SimulationError::all(worst.into_iter().flatten().collect())
-    }
-
-    /// The motion as a CSV table, `rate_hz` rows per second: `time, q_0, …, qd_0, …, qdd_0, …`.
-    ///
-    /// # Errors
-    /// [`SimulationError::Value`] for a rate that is not positive.
-    pub fn csv(&self, rate_hz: f64) -> Result<Vec<u8>, SimulationError> {
-        let mut complaints = crate::error::Complaints::default();
-        complaints.within("rate of the trajectory in Hz", rate_hz, 1e-3, 1e5);
-        complaints.within("number of rows of the motion", self.duration_s() * rate_hz, 0.0, MOST_ROWS);
-        complaints.finish()?;
-        let n = self.joints();
-        let mut text = String::from("time");
-        for family in ["q", "qd", "qdd"] {
-            text.extend((0..n).map(|j| format!(",{family}_{j}")));
-        }
-        text.push('\n');
-        let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for k in 0..=(self.duration_s() * rate_hz + 1e-9) as usize {
-            let time_s = k as f64 / rate_hz;
-            self.at(time_s, &mut q, &mut qd, &mut qdd);
-            text.push_str(&format!("{time_s:.6}"));
-            text.extend(q.iter().chain(&qd).chain(&qdd).map(|x| format!(",{x:.9}")));
-            text.push('\n');
-        }
-        Ok(text.into_bytes())
     }
 
     /// Calls `visit` with time, angles, velocities and accelerations every 5 ms.

@@ -1,4 +1,5 @@
-use super::{Path, STEP_PEAK_ACCELERATION, STEP_PEAK_VELOCITY, Trajectory, check_options, smooth_step};
+use super::sequence::travel_s;
+use super::{Path, Trajectory, check_options, smooth_step};
 use crate::error::Complaints;
 use crate::error::SimulationError;
 use crate::random::Random;
@@ -48,14 +49,7 @@ pub(super) fn draw(
                 random.between(reach(-LARGEST_SWING_RAD), reach(LARGEST_SWING_RAD))
             })
             .collect();
-        let travel_s =
-            robot.drives.iter().zip(pose.iter().zip(&target)).fold(0.1_f64, |slowest, (d, (a, b))| {
-                let distance = (b - a).abs();
-                let by_velocity = STEP_PEAK_VELOCITY * distance / (share * d.velocity_limit_rad_s);
-                let by_acceleration =
-                    (STEP_PEAK_ACCELERATION * distance / (share * d.acceleration_limit_rad_s2)).sqrt();
-                slowest.max(by_velocity).max(by_acceleration)
-            });
+        let travel_s = travel_s(robot, share, &pose, &target, 0.1);
         if start_s + travel_s + rest_s > duration_s {
             break;
         }

@@ -1,0 +1,153 @@
+//! `aurt next`: the motion to record next, which decides what a diagnosis leaves open.
+
+use std::path::PathBuf;
+
+use aurt_diagnosis::{Wanted, effects};
+use aurt_experiment::Experiment;
+use aurt_experiment::workbench::{
+    described_model::{ChainEnds, GivenModel},
+    diagnosing::DiagnosisOptions,
+    failure::Failure,
+    next::{NextOptions, plan_next},
+    output::OutputFile,
+};
+use clap::Args;
+use serde_json::json;
+
+use super::{Session, planned_robot::read_limits};
+use crate::rendering::terminal::Report;
+
+/// Plan the motion to record next: the one that decides what a diagnosis leaves open.
+///
+/// Diagnoses the experiment, and composes a motion in which the explanations that do equally well predict different
+/// torques. Printed before anything is recorded: which doubts it settles and with which probability, which no motion
+/// settles, and how narrow intervals become. Without `--limits` the arm stays where the recordings show it, not faster
+/// and with no larger torques. Collisions are not checked: look at the motion in the robot's own simulator first.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt next experiment.toml --out motion.csv\n  \
+    aurt next experiment.toml --until 'mass_kg < 0.02' --out motion.yaml\n\n\
+    motion.csv has positions, velocities and accelerations; motion.yaml is a goal for\n\
+    `ros2 action send_goal /…/follow_joint_trajectory control_msgs/action/FollowJointTrajectory \"$(cat motion.yaml)\"`;\n\
+    motion.script is a URScript program")]
+pub struct NextMotion {
+    /// Experiment file
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// File for the motion: .csv, .yaml (a trajectory of ROS 2) or .script (URScript)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does
+    #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
+    model: Option<PathBuf>,
+    /// Exclude an effect from the diagnosis; may be given several times
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// Standard deviation that a parameter shall have at most; may be given several times
+    #[arg(long, value_name = "PARAMETER < STD", value_parser = parse_wanted)]
+    until: Vec<Wanted>,
+    /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2
+    #[arg(long, value_name = "LIMITS.csv")]
+    limits: Option<PathBuf>,
+    /// Longest duration in s
+    #[arg(long, value_name = "S", default_value = "30")]
+    duration_s: f64,
+    /// Rows per second of the motion; by default those of the recordings
+    #[arg(long, value_name = "HZ")]
+    rate_hz: Option<f64>,
+    /// Number of motions that are tried as its pieces
+    #[arg(long, value_name = "N", default_value = "48")]
+    tries: usize,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+}
+
+/// Longest motion, s, and most pieces that are tried.
+const MOST: (f64, usize) = (600.0, 1000);
+/// Shortest motion, s.
+const SHORTEST_S: f64 = 5.0;
+
+/// `PARAMETER < STD`.
+fn parse_wanted(text: &str) -> Result<Wanted, String> {
+    let (parameter, std) =
+        text.split_once('<').ok_or("write a parameter and its deviation, such as `mass_kg < 0.02`")?;
+    let parameter = parameter.trim().to_owned();
+    let std: f64 = std.trim().parse().map_err(|_| format!("`{}` is no number", std.trim()))?;
+    if !(std.is_finite() && std > 0.0) {
+        return Err(format!("{std} is no standard deviation; give a positive number"));
+    }
+    if !effects::ALL.into_iter().any(|effect| effect.parameter(&parameter).is_some()) {
+        return Err(format!("no effect has a parameter `{parameter}`; `aurt explain EFFECT` lists them"));
+    }
+    Ok(Wanted { parameter, std })
+}
+
+impl NextMotion {
+    /// Plans.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        let Session { terminal, registry, .. } = session;
+        let inputs = [Some(&self.experiment), self.limits.as_ref(), self.model.as_ref()];
+        let inputs: Vec<_> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
+        let out = OutputFile::new("--out", &self.out, &inputs)?;
+        self.check()?;
+        let experiment = Experiment::read(&self.experiment, registry)?;
+        let given =
+            self.model.as_deref().map(|p| GivenModel::read(p, ChainEnds::default(), &experiment, registry));
+        let joints = experiment.robot.robot_joints().count;
+        let options = NextOptions {
+            diagnosis: DiagnosisOptions {
+                frozen: given.transpose()?.map(|given| given.calibrated),
+                without: self.without.clone(),
+                ..DiagnosisOptions::default()
+            },
+            limits: self.limits.as_deref().map(|file| read_limits(file, joints)).transpose()?,
+            wanted: self.until.clone(),
+            duration_s: self.duration_s,
+            draws: self.tries,
+            seed: self.seed,
+        };
+        let progress = terminal.progress(24 + self.tries);
+        let next = plan_next(&experiment, registry, &options, &progress)?;
+        drop(progress);
+        let mut text = next.to_text();
+        let mut outputs = Vec::new();
+        if let Some(plan) = &next.motion {
+            let rate_hz = self.rate_hz.unwrap_or(next.rate_hz);
+            out.write(&plan.trajectory.formatted(out.path(), rate_hz, &next.joint_names)?)?;
+            text.push_str(&format!("written: {}\n", out.path().display()));
+            outputs.push(out.path());
+        }
+        let mut json = next.to_json();
+        json["command"] = json!("next");
+        json["outputs"] = json!(outputs);
+        Ok(Report { text, json, findings: false })
+    }
+
+    /// Refuses numbers that no plan has, before anything is read.
+    fn check(&self) -> Result<(), Failure> {
+        let refuse = |option, reason: String, remedy: &str| {
+            Err(Failure::Argument { option, reason, remedy: remedy.into() })
+        };
+        let known = || effects::ALL.into_iter().map(|effect| effect.id);
+        if let Some(name) = self.without.iter().find(|name| !known().any(|id| id == name.as_str())) {
+            return refuse(
+                "--without",
+                format!("there is no effect `{name}`"),
+                "`aurt explain` lists what there is",
+            );
+        }
+        if !(SHORTEST_S..=MOST.0).contains(&self.duration_s) {
+            let reason = format!("{} s is no duration of a plan", self.duration_s);
+            return refuse("--duration-s", reason, "give 5 to 600 s");
+        }
+        if !(1..=MOST.1).contains(&self.tries) {
+            return refuse("--tries", format!("{} motions cannot be tried", self.tries), "give 1 to 1000");
+        }
+        let ending = self.out.extension().and_then(|ending| ending.to_str());
+        if !matches!(ending, Some("csv" | "yaml" | "yml" | "script")) {
+            let reason = format!("{} has none of the known endings", self.out.display());
+            return refuse("--out", reason, "name it .csv, .yaml or .script");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,167 @@
+use crate::evidence::problem::Problem;
+use crate::hypotheses::group::Switch;
+use crate::investigation::{Fitted, Investigation};
+use crate::request::Question;
+use crate::verdict::{open_rivals, share_left};
+use crate::vocabulary::{Effect, Presence};
+
+/// An effect on some joints.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its joints.
+    pub joints: Vec<usize>,
+    /// Index of the candidate.
+    pub(super) candidate: usize,
+    pub(super) switches: Vec<Switch>,
+}
+
+/// What a diagnosis leaves open.
+#[derive(Debug, Clone)]
+pub enum Doubt {
+    /// Another effect describes the recordings as well as a claim.
+    Rivals {
+        /// What is claimed.
+        claimed: Subject,
+        /// What does as well.
+        rival: Subject,
+        /// The two, with everything else that is claimed.
+        explanations: Box<[Explanation; 2]>,
+    },
+    /// An effect describes the recordings and fails a test: it may be there or not.
+    Indicated {
+        /// What is indicated.
+        subject: Subject,
+        /// With it and without it.
+        explanations: Box<[Explanation; 2]>,
+    },
+    /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
+    Absorbed {
+        /// What is not decidable.
+        subject: Subject,
+    },
+    /// A parameter is known less well than is wanted.
+    Wide {
+        /// The claim that it is of.
+        subject: Subject,
+        /// What is wanted.
+        wanted: Wanted,
+    },
+}
+
+/// A standard deviation that a parameter shall have at most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wanted {
+    /// Canonical name of the parameter.
+    pub parameter: String,
+    /// The deviation, in its unit.
+    pub std: f64,
+}
+
+/// A model of the recordings: which coefficients, and their values.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    pub(super) switches: Vec<Switch>,
+    pub(super) coefficients: Vec<f64>,
+}
+
+impl Explanation {
+    fn new(problem: &Problem, switches: Vec<Switch>, weights: &[f64]) -> Self {
+        let (coefficients, _) = problem.least_squares(&switches, weights);
+        Self { switches, coefficients }
+    }
+}
+
+impl Doubt {
+    /// The candidates that it is about.
+    pub(super) fn candidates(&self) -> Vec<usize> {
+        match self {
+            Self::Rivals { claimed, rival, .. } => vec![claimed.candidate, rival.candidate],
+            Self::Indicated { subject, .. } | Self::Absorbed { subject } | Self::Wide { subject, .. } => {
+                vec![subject.candidate]
+            }
+        }
+    }
+}
+
+/// All doubts of a diagnosis, those of claims first.
+pub(super) fn doubts(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    fitted: &Fitted,
+    wanted: &[Wanted],
+) -> Vec<Doubt> {
+    let Investigation { problem, groups, selection, .. } = investigation;
+    let of_group = |g: usize| Subject {
+        effect: groups[g].effect,
+        joints: groups[g].joints.clone(),
+        candidate: groups[g].candidate,
+        switches: groups[g].switches.clone(),
+    };
+    let explained = |of: &mut dyn Iterator<Item = usize>| {
+        let switches = investigation.switches_of(of.map(|g| &groups[g]));
+        Explanation::new(problem, switches, &fitted.weights)
+    };
+    let mut found = Vec::new();
+    let claimed = || selection.chosen.iter().map(|chosen| chosen.group);
+    for (i, one) in selection.chosen.iter().enumerate() {
+        let others = || claimed().enumerate().filter(move |(k, _)| *k != i).map(|(_, g)| g);
+        for rival in open_rivals(investigation, one, fitted) {
+            let explanations = [explained(&mut claimed()), explained(&mut others().chain([rival.group]))];
+            found.push(Doubt::Rivals {
+                claimed: of_group(one.group),
+                rival: of_group(rival.group),
+                explanations: Box::new(explanations),
+            });
+        }
+    }
+    for indicated in &investigation.indicated {
+        let group = indicated.chosen.group;
+        if !groups[group].is_named() || claimed().any(|g| g == group) {
+            continue;
+        }
+        let explanations = [explained(&mut claimed().chain([group])), explained(&mut claimed())];
+        found.push(Doubt::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
+    }
+    for wanted in wanted {
+        let has = |g: &usize| groups[*g].effect.parameter(&wanted.parameter).is_some();
+        let subjects = claimed().filter(has).map(of_group);
+        found.extend(subjects.map(|subject| Doubt::Wide { subject, wanted: wanted.clone() }));
+    }
+    found.extend(absorbed(question, investigation));
+    found
+}
+
+/// What the model absorbs in the present motions: of each effect and joint the candidate of which most is left.
+fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt> {
+    let target = investigation.problem.has_target();
+    let mut most: Vec<(Subject, f64)> = Vec::new();
+    for (index, candidate) in investigation.candidates.iter().enumerate() {
+        let Some(share) = share_left(investigation, index) else { continue };
+        let target_only = target && candidate.proposal.presence == Presence::Change;
+        if candidate.proposal.presence == Presence::Change && !target {
+            continue;
+        }
+        let nonnegative = |k: usize| candidate.proposal.nonnegative.get(k).copied().unwrap_or(false);
+        let switches = candidate.columns.iter().enumerate();
+        let subject = Subject {
+            effect: candidate.effect,
+            joints: candidate.proposal.joints.clone(),
+            candidate: index,
+            switches: switches
+                .map(|(k, column)| Switch { column: *column, target_only, nonnegative: nonnegative(k) })
+                .collect(),
+        };
+        let same = |(known, _): &&mut (Subject, f64)| {
+            known.effect == subject.effect && known.joints == subject.joints
+        };
+        match most.iter_mut().find(same) {
+            Some(known) if known.1 >= share => {}
+            Some(known) => *known = (subject, share),
+            None => most.push((subject, share)),
+        }
+    }
+    let hidden = most.into_iter().filter(|(_, share)| *share < question.selection.free_share);
+    hidden.map(|(subject, _)| Doubt::Absorbed { subject }).collect()
+}

@@ -1,0 +1,429 @@
+//! The next motion to record: the one that decides what a diagnosis leaves open.
+//!
+//! The motion is composed of pieces drawn at random within the limits: multi-sines, constant speeds, slow triangles, poses held.
+//! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
+//! finds those that together settle most: that maximise the product of the probabilities with which the doubts are settled.
+
+mod text;
+
+use aurt::Progress;
+use aurt_diagnosis::discrimination::{Discrimination, Doubt, Interval, Outlook, Planned, Subject, Wanted};
+use aurt_diagnosis::{DiagnosisError, Question, QuestionedRecording};
+use aurt_plugins::Registry;
+use aurt_recording::{ReadReport, RecordedJoints, Recording};
+use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
+use rayon::prelude::*;
+
+use crate::Experiment;
+use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
+use crate::workbench::failure::Failure;
+
+/// How the next motion is planned.
+#[derive(Debug, Clone)]
+pub struct NextOptions {
+    /// How the experiment is diagnosed.
+    pub diagnosis: DiagnosisOptions,
+    /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
+    pub limits: Option<Vec<MotionLimits>>,
+    /// Deviations that parameters shall have at most.
+    pub wanted: Vec<Wanted>,
+    /// Longest duration in s.
+    pub duration_s: f64,
+    /// Pieces that are drawn.
+    pub draws: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+/// The next motion, and what it would do.
+#[derive(Debug, Clone)]
+pub struct Next {
+    /// The motion; none where it would settle nothing.
+    pub motion: Option<Plan>,
+    /// What is open, with the outlook of the motion (where there is one) and of others.
+    pub open: Vec<Open>,
+    /// What no motion within the limits settles.
+    pub never: Vec<(Doubt, Outlook)>,
+    /// Parameters of what is claimed, now and after the motion.
+    pub intervals: Vec<(Subject, Vec<Interval>)>,
+    /// Names of the joints, where they have some.
+    pub joint_names: Vec<String>,
+    /// Rows per second of the recordings.
+    pub rate_hz: f64,
+    /// Where the limits are from.
+    pub notes: Vec<String>,
+}
+
+/// A motion that was planned.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The motion.
+    pub trajectory: Trajectory,
+    /// Its pieces in words.
+    pub pieces: Vec<String>,
+    /// The largest torque of each joint that the model predicts, and the largest that was recorded.
+    pub torque: Vec<[f64; 2]>,
+}
+
+/// A doubt, and what recordings would do about it.
+#[derive(Debug, Clone)]
+pub struct Open {
+    /// The doubt.
+    pub doubt: Doubt,
+    /// With the planned motion.
+    pub planned: Outlook,
+    /// With the motions of the present recordings for as long.
+    pub again: Outlook,
+    /// With a multi-sine of the same duration.
+    pub generic: Outlook,
+}
+
+/// Longest time of a piece, s: motions of more pieces decide more doubts of different kinds.
+const PIECES: usize = 4;
+/// Shortest time of a piece, s.
+const SHORTEST_S: f64 = 4.0;
+/// A joint that never moved may turn within this, rad, and at this speed, rad/s: nothing says that it may move farther.
+const STANDING: [f64; 2] = [0.005, 0.02];
+/// Time to the full speed of such a joint, s.
+const TO_FULL_SPEED_S: f64 = 0.5;
+/// Share of the limits that is used at most: tracking overshoots.
+const SHARE: f64 = 0.9;
+/// A doubt that all pieces together do not settle with this probability is beyond motions like these.
+const EVER: f64 = 0.5;
+
+/// Plans the next motion for an experiment.
+///
+/// # Errors
+/// What makes a recording unfit, and what the diagnosis reports; limits without room.
+pub fn plan_next(
+    experiment: &Experiment,
+    registry: &Registry,
+    options: &NextOptions,
+    progress: &Progress,
+) -> Result<Next, Failure> {
+    diagnoser(experiment, registry, &options.diagnosis, progress)?.ask(
+        progress,
+        |question, investigation, registry| {
+            let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
+            Planner::new(question, &doubts, options)?.plan(progress)
+        },
+    )
+}
+
+struct Planner<'a> {
+    question: &'a Question<'a>,
+    discrimination: &'a Discrimination<'a>,
+    options: &'a NextOptions,
+    limits: Vec<MotionLimits>,
+    notes: Vec<String>,
+    rate_hz: f64,
+    encoders: Vec<[f64; 2]>,
+    recorded: Vec<f64>,
+}
+
+/// A piece that was drawn.
+struct Piece {
+    trajectory: Trajectory,
+    words: String,
+    planned: Planned,
+}
+
+impl<'a> Planner<'a> {
+    fn new(
+        question: &'a Question<'a>,
+        discrimination: &'a Discrimination<'a>,
+        options: &'a NextOptions,
+    ) -> Result<Self, Failure> {
+        let joints = question.model.joints();
+        let (limits, notes) = match &options.limits {
+            Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
+            Some(limits) => {
+                return Err(Failure::Argument {
+                    option: "--limits",
+                    reason: format!("has limits of {} joints, the robot has {joints}", limits.len()),
+                    remedy: "write a row for each joint".into(),
+                });
+            }
+            None => limits_of(question.recordings),
+        };
+        let last = question.recordings.last().map_or(&[][..], |r| &r.raw.time_s);
+        let span_s = last.last().unwrap_or(&0.0) - last.first().unwrap_or(&0.0);
+        let rate_hz = if span_s > 0.0 { (last.len() - 1) as f64 / span_s } else { 1.0 };
+        let largest = |j: usize| {
+            let segments = question.recordings.iter().flat_map(|r| &r.data.data.segments);
+            let measured = segments.filter_map(|s| s.measurement.as_ref()?.get(j));
+            measured.flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
+        };
+        Ok(Self {
+            question,
+            discrimination,
+            options,
+            limits,
+            notes,
+            rate_hz,
+            encoders: discrimination.encoders(),
+            recorded: (0..joints).map(largest).collect(),
+        })
+    }
+
+    fn plan(self, progress: &Progress) -> Result<Next, Failure> {
+        let doubts = self.discrimination.doubts();
+        let joint_names = self.question.model.names().joints.to_vec();
+        let mut next = Next {
+            motion: None,
+            open: Vec::new(),
+            never: Vec::new(),
+            intervals: Vec::new(),
+            joint_names,
+            rate_hz: self.rate_hz,
+            notes: self.notes.clone(),
+        };
+        if doubts.is_empty() {
+            return Ok(next);
+        }
+        let pieces = self.pieces(progress)?;
+        let all =
+            together(pieces.iter()).ok_or(DiagnosisError::NothingToDiagnose).map_err(aurt::Error::from)?;
+        let ever = self.discrimination.outlook(&all);
+        let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= EVER).collect();
+        let hopeless = (0..doubts.len()).filter(|k| !open.contains(k));
+        next.never = hopeless.map(|k| (doubts[k].clone(), ever[k].clone())).collect();
+        if open.is_empty() {
+            return Ok(next);
+        }
+        progress.step("exchanging pieces");
+        let chosen = self.exchanged(&pieces, &open);
+        let robot = Robot::of_limits("arm", &self.limits);
+        let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
+        let trajectory = Trajectory::sequence(&robot, SHARE, parts);
+        trajectory.check(&robot)?;
+        let planned =
+            self.discrimination.planned(&self.recorded_motion(&trajectory)?).map_err(aurt::Error::from)?;
+        let generic = self.generic(&robot, trajectory.duration_s())?;
+        let again = self.discrimination.recorded_again(&planned);
+        let [planned_outlook, generic, again] =
+            [&planned, &generic, &again].map(|motion| self.discrimination.outlook(motion));
+        next.open = open
+            .iter()
+            .map(|k| Open {
+                doubt: doubts[*k].clone(),
+                planned: planned_outlook[*k].clone(),
+                again: again[*k].clone(),
+                generic: generic[*k].clone(),
+            })
+            .collect();
+        next.intervals = self.discrimination.intervals(&planned);
+        let torque =
+            planned.largest.iter().zip(&self.recorded).map(|(planned, recorded)| [*planned, *recorded]);
+        let words = chosen.iter().map(|k| pieces[*k].words.clone()).collect();
+        next.motion = Some(Plan { trajectory, pieces: words, torque: torque.collect() });
+        Ok(next)
+    }
+
+    /// Draws pieces whose torques were seen before.
+    fn pieces(&self, progress: &Progress) -> Result<Vec<Piece>, Failure> {
+        let robot = Robot::of_limits("arm", &self.limits);
+        let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
+        let way_s = Trajectory::travel_s(&robot, SHARE, &ends(0), &ends(1));
+        let duration_s = self.options.duration_s;
+        let count = ((duration_s / (0.5 * way_s + SHORTEST_S)) as usize).clamp(1, PIECES);
+        let piece_s = (duration_s / count as f64 - if count > 1 { way_s } else { 0.0 }).max(SHORTEST_S);
+        let mut random = Random::labelled(self.options.seed, "next");
+        let mut drawn: Vec<(Trajectory, String)> = Vec::new();
+        // Some draws do not fit into the limits.
+        for attempt in 0..4 * self.options.draws {
+            if drawn.len() == self.options.draws {
+                break;
+            }
+            drawn.extend(self.drawn(attempt, piece_s, &mut random));
+        }
+        if drawn.is_empty() {
+            return Err(Failure::Argument {
+                option: "--duration-s",
+                reason: format!("no motion of {piece_s:.1} s fits into the limits"),
+                remedy: "give more time, or wider limits with --limits".into(),
+            });
+        }
+        progress.step(format!("evaluating {} motions", drawn.len()));
+        let evaluated = drawn.into_par_iter().map(|(trajectory, words)| {
+            let motion = self.recorded_motion(&trajectory)?;
+            let planned = self.discrimination.planned(&motion);
+            progress.advance();
+            // Of some motions nothing is left: no joint is faster than the rest velocity.
+            Ok(planned.ok().map(|planned| Piece { trajectory, words, planned }))
+        });
+        let pieces = evaluated.collect::<Result<Vec<_>, Failure>>()?.into_iter().flatten();
+        let is_safe = |piece: &Piece| {
+            self.options.limits.is_some()
+                || piece.planned.largest.iter().zip(&self.recorded).all(|(planned, most)| planned <= most)
+        };
+        let safe: Vec<Piece> = pieces.filter(is_safe).collect();
+        if safe.is_empty() {
+            return Err(Failure::Argument {
+                option: "--limits",
+                reason: "no motion that was tried needs torques as small as the recorded ones".into(),
+                remedy: "state the limits of the arm in a table, or try more with --tries".into(),
+            });
+        }
+        Ok(safe)
+    }
+
+    /// A piece of one kind: the arm in a part of its range, or in all of it.
+    fn drawn(&self, attempt: usize, piece_s: f64, random: &mut Random) -> Option<(Trajectory, String)> {
+        let part = *random.choose(&[1.0, 1.0, 0.6, 0.3])?;
+        let within = |limits: &MotionLimits, random: &mut Random| {
+            let [low, high] = limits.position_rad;
+            let width = part * (high - low);
+            let from = random.between(low, high - width);
+            MotionLimits { position_rad: [from, from + width], ..*limits }
+        };
+        let limits: Vec<MotionLimits> = self.limits.iter().map(|limits| within(limits, random)).collect();
+        let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(f64::INFINITY, f64::min);
+        let widest = limits.iter().map(|l| l.position_rad[1] - l.position_rad[0]).fold(0.0, f64::max);
+        let share = random.between(0.3, SHARE);
+        let motion = match attempt % 4 {
+            0 => Motion::MultiSine {
+                duration_s: piece_s,
+                harmonics: 3 + random.index(6),
+                top_hz: random.between_logs(0.3, 2.0),
+                share,
+            },
+            1 => Motion::Sweeps { duration_s: piece_s, share },
+            2 => Motion::Triangles {
+                duration_s: piece_s,
+                speed_rad_s: random.between_logs(0.02, 0.5) * slowest,
+                amplitude_rad: random.between(0.2, 0.5) * widest,
+            },
+            _ => Motion::PointToPoint { duration_s: piece_s, share, rest_s: random.between(0.1, 1.5) },
+        };
+        let words = match &motion {
+            Motion::MultiSine { top_hz, .. } => format!("sines up to {top_hz:.2} Hz"),
+            Motion::Sweeps { .. } => "constant speeds, to and fro".to_owned(),
+            Motion::Triangles { speed_rad_s, .. } => format!("triangles at {speed_rad_s:.3} rad/s"),
+            _ => "poses held".to_owned(),
+        };
+        let trajectory = motion.plan(&Robot::of_limits("arm", &limits), random.bits()).ok()?;
+        Some((
+            trajectory,
+            if part < 1.0 { format!("{words}, in {:.0} % of the range", 100.0 * part) } else { words },
+        ))
+    }
+
+    /// The motion as a recording would have it, its positions with the encoders' noise. The measurement is not known; zeros
+    /// stand in its place.
+    fn recorded_motion(&self, trajectory: &Trajectory) -> Result<Recording, Failure> {
+        let joints = trajectory.joints();
+        let mut random = Random::labelled(self.options.seed, "encoders");
+        let (mut time_s, mut position_rad) = (Vec::new(), vec![Vec::new(); joints]);
+        trajectory.rows(self.rate_hz, |t, q, _, _| {
+            time_s.push(t);
+            for (joint, (series, q)) in position_rad.iter_mut().zip(q).enumerate() {
+                let [step, white] = self.encoders.get(joint).copied().unwrap_or_default();
+                let noisy = q + white * random.normal();
+                series.push(if step > 0.0 { step * (noisy / step).round() } else { noisy });
+            }
+        })?;
+        let rows = time_s.len();
+        Ok(Recording {
+            file: "the planned motion".into(),
+            time_s,
+            position_rad,
+            velocity_rad_s: None,
+            measurement: Some(vec![vec![0.0; rows]; joints]),
+            unit: self.question.unit,
+            joints: RecordedJoints::Unnamed,
+            report: ReadReport::default(),
+        })
+    }
+
+    /// A multi-sine as one plans it without knowing what is open.
+    fn generic(&self, robot: &Robot, duration_s: f64) -> Result<Planned, Failure> {
+        let motion = Motion::MultiSine { duration_s, harmonics: 6, top_hz: 0.6, share: 0.8 };
+        let recorded = self.recorded_motion(&motion.plan(robot, self.options.seed)?)?;
+        Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
+    }
+
+    /// The pieces that together settle most.
+    fn exchanged(&self, pieces: &[Piece], open: &[usize]) -> Vec<usize> {
+        let value = |chosen: &[usize]| -> f64 {
+            let Some(sum) = together(chosen.iter().map(|k| &pieces[*k])) else { return f64::NEG_INFINITY };
+            let outlook = self.discrimination.outlook_of(open, &sum);
+            outlook.iter().map(|o| o.settled.max(f64::MIN_POSITIVE).ln()).sum()
+        };
+        let best = |chosen: &[usize], place: usize| -> (f64, Vec<usize>) {
+            let all = (0..pieces.len()).into_par_iter().map(|k| {
+                let mut with = chosen.to_vec();
+                with[place] = k;
+                (value(&with), with)
+            });
+            all.reduce(|| (f64::NEG_INFINITY, chosen.to_vec()), |a, b| if b.0 > a.0 { b } else { a })
+        };
+        let way_s = |chosen: &[usize]| {
+            let robot = Robot::of_limits("arm", &self.limits);
+            let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
+            Trajectory::sequence(&robot, SHARE, parts).duration_s()
+        };
+        let (mut chosen, mut most): (Vec<usize>, f64) = (Vec::new(), f64::NEG_INFINITY);
+        while chosen.len() < PIECES {
+            let mut longer = chosen.clone();
+            longer.push(0);
+            let (value, with) = best(&longer, chosen.len());
+            if !chosen.is_empty() && way_s(&with) > self.options.duration_s {
+                break;
+            }
+            (chosen, most) = (with, value);
+        }
+        loop {
+            let before = most;
+            for place in 0..chosen.len() {
+                let (value, with) = best(&chosen, place);
+                if value > most && way_s(&with) <= self.options.duration_s {
+                    (chosen, most) = (with, value);
+                }
+            }
+            if most <= before {
+                return chosen;
+            }
+        }
+    }
+}
+
+/// The moments of several pieces.
+fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<Planned> {
+    let first = pieces.next()?.planned.clone();
+    Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))
+}
+
+/// The limits that recordings show: where each joint has been, and how fast.
+fn limits_of(recordings: &[QuestionedRecording]) -> (Vec<MotionLimits>, Vec<String>) {
+    let joints = recordings.first().map_or(0, |r| r.raw.joints());
+    let mut standing = Vec::new();
+    let mut of_joint = |j: usize| {
+        let motions = || recordings.iter().flat_map(|r| &r.data.data.segments).map(|s| s.motion.view());
+        let most = |series: &[f64], most: f64| series.iter().fold(most, |most, v| most.max(v.abs()));
+        let positions = || motions().flat_map(|m| m.position_rad(j));
+        let mut range = [
+            positions().fold(f64::INFINITY, |low, q| low.min(*q)),
+            positions().fold(f64::NEG_INFINITY, |high, q| high.max(*q)),
+        ];
+        let mut velocity_rad_s = motions().fold(0.0, |v, m| most(m.velocity_rad_s(j), v));
+        let mut acceleration_rad_s2 = motions().fold(0.0, |a, m| most(m.acceleration_rad_s2(j), a));
+        if range[1] - range[0] < 2.0 * STANDING[0] || velocity_rad_s < STANDING[1] {
+            standing.push(j);
+            let middle = 0.5 * (range[0] + range[1]);
+            range = [middle - STANDING[0], middle + STANDING[0]];
+            velocity_rad_s = STANDING[1];
+            acceleration_rad_s2 = STANDING[1] / TO_FULL_SPEED_S;
+        }
+        MotionLimits { position_rad: range, velocity_rad_s, acceleration_rad_s2 }
+    };
+    let limits = (0..joints).map(&mut of_joint).collect();
+    let mut notes = vec![
+        "limits: what the recordings show of positions, speeds, accelerations and torques; --limits gives others".to_owned(),
+    ];
+    if !standing.is_empty() {
+        let list: Vec<String> = standing.iter().map(ToString::to_string).collect();
+        notes.push(format!("joints {} never moved and hardly move in the plan", list.join(", ")));
+    }
+    (limits, notes)
+}
