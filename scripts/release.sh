@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Builds the command `aurt` to be handed out: `scripts/release.sh` leaves it in target/handed-out/release/aurt.
+# Prepares a release in target/handed-out/upload: crates in the order of publication, the program, the Python wheel, bills of
+# materials, SHA-256 sums. Nothing is uploaded; the last lines name what remains. Arguments go to `cargo package`
+# (`--no-verify` does not build the packed crates). Needs maturin and ziglang (pip); without ziglang the wheel is for this machine.
 #
-# The folders of whoever builds it (sources, cargo's home) are not in it: the compiler writes others in their place, and the
-# script looks whether one is left. Cargo's own way (`trim-paths`) is not in stable versions yet.
+# Folders of the building machine (sources, cargo's home) are not in program and wheel: the compiler writes others in their place,
+# and the script searches for the rest. Cargo's own way (`trim-paths`) is not in stable versions yet.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,16 +12,58 @@ here="$(pwd -P)"
 home="$(cd "${CARGO_HOME:-$HOME/.cargo}" && pwd -P)"
 separator=$'\x1f'
 CARGO_ENCODED_RUSTFLAGS="--remap-path-prefix=$home=/cargo${separator}--remap-path-prefix=$here=/aurt"
+CARGO_TARGET_DIR=target/handed-out
 AURT_RELEASE=1
-export CARGO_ENCODED_RUSTFLAGS AURT_RELEASE
-cargo build --release --locked --target-dir target/handed-out
+export CARGO_ENCODED_RUSTFLAGS CARGO_TARGET_DIR AURT_RELEASE
+upload=target/handed-out/upload
+rm -rf "$upload"
+mkdir -p "$upload"
 
-program=target/handed-out/release/aurt
-for folder in "$here/" "$home/" "$HOME/"; do
-    if grep -aqF "$folder" "$program"; then
-        echo "$program names the folder $folder:" >&2
-        strings -a "$program" | grep -F "$folder" | head -n 3 >&2
-        exit 1
-    fi
+without_folders() {
+    for folder in "$here/" "$home/" "$HOME/"; do
+        if grep -aqF "$folder" "$1"; then
+            echo "$1 names the folder $folder:" >&2
+            strings -a "$1" | grep -F "$folder" | head -n 3 >&2
+            exit 1
+        fi
+    done
+    echo "$1: $(wc -c <"$1") bytes, no folder of this machine in it"
+}
+
+version="$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"$/\1/p' Cargo.toml)"
+same=yes
+for file in python/Cargo.toml CITATION.cff; do
+    grep -qE "^version( =|:) \"?${version//./\\.}\"?$" "$file" || { echo "$file has another version than $version" >&2; same=; }
 done
-echo "$program: $(wc -c <"$program") bytes, no folder of this machine in it"
+if grep -E '^aurt.*version = ' Cargo.toml | grep -vF "version = \"$version\""; then
+    echo "Cargo.toml asks for other versions of our crates than $version" >&2
+    same=
+fi
+[[ -n "$same" ]] || exit 1
+
+cargo package --workspace --locked --exclude aurt-lab --exclude aurt-tests --exclude aurt-plugin-example "$@" 2>&1 |
+    tee "$upload/crates.log" | grep -vE '^ +(Updating|Compiling|Downloaded)|^warning: manifest|^ +[|=]'
+sed -nE 's/^ +Packaging (\S+) v.*/\1/p' "$upload/crates.log" >"$upload/crates.txt"
+rm "$upload/crates.log"
+sed "s|.*|target/handed-out/package/&-$version.crate|" "$upload/crates.txt" | xargs cp -t "$upload"
+
+cargo build --release --locked
+without_folders target/handed-out/release/aurt
+cp target/handed-out/release/aurt "$upload"
+
+portable=(--zig --compatibility manylinux2014)
+python3 -m ziglang version >/dev/null 2>&1 || portable=()
+CARGO_TARGET_DIR=target/handed-out/python maturin build --quiet --release --locked --manifest-path python/Cargo.toml --out "$upload" \
+    "${portable[@]}"
+rm -rf target/handed-out/unpacked
+python3 -m zipfile -e "$upload"/*.whl target/handed-out/unpacked
+without_folders target/handed-out/unpacked/aurt/_aurt.abi3.so
+
+python3 scripts/sbom.py >"$upload/aurt.cdx.json"
+python3 scripts/sbom.py --manifest python/Cargo.toml >"$upload/aurt-dynamics.cdx.json"
+(cd "$upload" && sha256sum -- * >SHA256SUMS && cat SHA256SUMS)
+
+echo "AURT $version is in $upload. Before the upload:"
+grep -q '^repository = ' python/Cargo.toml || echo "  the manifests have no \`repository\`"
+grep -qF "## $version" CHANGELOG.md || echo "  CHANGELOG.md has no section $version"
+echo "  publish the crates of crates.txt in its order (cargo publish), the wheel on PyPI (twine upload)"

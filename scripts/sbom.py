@@ -1,6 +1,6 @@
 """The program's bill of materials: `python3 scripts/sbom.py > aurt.cdx.json` writes CycloneDX 1.5.
 
-Everything that is compiled into the command `aurt`, and what building it needs, as `Cargo.lock` has it: name, version, licence,
+Everything that is compiled into the command `aurt` (with `--manifest python/Cargo.toml`: into the Python wheel), and what building it needs, as `Cargo.lock` has it: name, version, licence,
 source, SHA-256 of the package, and what depends on what. `--target` leaves out what other systems need (default: this one).
 Asks `cargo metadata`; downloads nothing that a build would not.
 """
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PROGRAM = "aurt-cli"
+PRODUCTS = {"Cargo.toml": "aurt-cli", "python/Cargo.toml": "aurt-python"}
 
 
 def host():
@@ -22,14 +22,14 @@ def host():
     return re.search(r"^host: (.*)$", text, re.MULTILINE).group(1)
 
 
-def metadata(target):
-    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target]
+def metadata(manifest, target):
+    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target, "--manifest-path", manifest]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout)
 
 
-def checksums():
+def checksums(manifest):
     """SHA-256 of packages, by name and version."""
-    entries = (ROOT / "Cargo.lock").read_text().split("[[package]]")
+    entries = (ROOT / manifest).with_name("Cargo.lock").read_text().split("[[package]]")
     fields = [dict(re.findall(r'^(\w+) = "(.*)"$', entry, re.MULTILINE)) for entry in entries]
     return {(f["name"], f["version"]): f["checksum"] for f in fields if "checksum" in f}
 
@@ -54,7 +54,7 @@ def reference(package):
 
 def component(package, sums):
     entry = {
-        "type": "application" if package["name"] == PROGRAM else "library",
+        "type": "application" if package["name"] in PRODUCTS.values() else "library",
         "bom-ref": reference(package),
         "name": package["name"],
         "version": package["version"],
@@ -71,12 +71,14 @@ def component(package, sums):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--target", default=host())
-    found = metadata(parser.parse_args().target)
+    parser.add_argument("--manifest", default="Cargo.toml", choices=PRODUCTS)
+    arguments = parser.parse_args()
+    found = metadata(arguments.manifest, arguments.target)
     packages = {package["id"]: package for package in found["packages"]}
     graph = {node["id"]: node for node in found["resolve"]["nodes"]}
-    root = next(p["id"] for p in found["packages"] if p["name"] == PROGRAM)
+    root = next(p["id"] for p in found["packages"] if p["name"] == PRODUCTS[arguments.manifest])
     kept = sorted(needed(graph, root), key=lambda p: (packages[p]["name"], packages[p]["version"]))
-    sums = checksums()
+    sums = checksums(arguments.manifest)
     unknown = [packages[p]["name"] for p in kept if packages[p]["source"] and (packages[p]["name"], packages[p]["version"]) not in sums]
     if unknown:
         sys.exit(f"Cargo.lock has no checksum of {', '.join(unknown)}")

@@ -38,6 +38,7 @@
 //! Text is always read. The others are on by default: `mcap` (bags of ROS 2: MCAP, SQLite, folders), `parquet`, `lerobot`,
 //! `numpy`, `matlab`.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
     not(all(feature = "mcap", feature = "parquet", any(feature = "matlab", feature = "numpy"))),
     expect(dead_code, reason = "what several formats share is there for each of them")

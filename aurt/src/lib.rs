@@ -115,6 +115,8 @@
 //! 0, units are SI and stand in names; a model calibrated on motor currents has A in the place of Nm.
 //! [`plugins`] loads models from dynamic libraries.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod calibrated_file;
 mod calibrating;
 pub mod data;

@@ -15,12 +15,14 @@
 //! | `simulation` | `simulate`, `excite` |
 //! | `sweep` | `sweep`, `Sweep` |
 //! | `friction` | friction models that are Python classes |
+//! | `command` | the command `aurt` |
 //! | `settings` | keyword arguments of calibration and diagnosis |
 //! | `report` | `Report` |
 //! | `work` | long work beside the interpreter |
 
 mod arrays;
 mod check;
+mod command;
 mod diagnosis;
 mod error;
 mod export;
@@ -43,9 +45,15 @@ mod work;
 /// The compiled part of the package `aurt`.
 #[pyo3::pymodule]
 mod _aurt {
+    use pyo3::{
+        Bound, PyResult,
+        types::{PyAnyMethods, PyModule},
+    };
+
     #[pymodule_export]
     use crate::{
         check::{Checkup, check, check_experiment},
+        command::main,
         diagnosis::{Verdict, diagnose, diagnose_experiment},
         error::Error,
         export::Exported,
@@ -63,4 +71,11 @@ mod _aurt {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Names the file of this code for the keys of sweeps.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        aurt_experiment::sweep::code_is_in(module.getattr("__file__")?.extract()?);
+        Ok(())
+    }
 }

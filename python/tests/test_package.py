@@ -66,11 +66,11 @@ def test_unknown_keywords_and_wrong_types_are_refused(two_link, monday):
 
 
 def test_metadata_is_what_an_index_needs():
-    metadata = importlib.metadata.metadata("aurt")
+    metadata = importlib.metadata.metadata("aurt-dynamics")
     assert metadata["License-Expression"] == "MIT OR Apache-2.0" and "AURT" in (metadata["Author"] or metadata["Author-email"])
     assert set(metadata.get_all("License-File")) == {"LICENSE-MIT", "LICENSE-APACHE"}
     assert metadata["Requires-Python"] == ">=3.9" and "Typing :: Typed" in metadata.get_all("Classifier")
-    files = [str(file) for file in importlib.metadata.files("aurt")]
+    files = [str(file) for file in importlib.metadata.files("aurt-dynamics")]
     assert sum(bool(re.search("licenses/LICENSE", file)) for file in files) == 2
     # An index shows the description alone: what it links to has to be absolute.
     links = re.findall(r"\]\(([^)]*)\)", metadata.get_payload() or metadata["Description"])

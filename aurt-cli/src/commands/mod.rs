@@ -30,6 +30,8 @@ mod sweep;
 mod track;
 mod trust;
 
+use std::ffi::OsString;
+
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
 use clap::Subcommand;
@@ -87,6 +89,8 @@ pub struct Session<'a> {
     pub terminal: &'a Terminal,
     /// The models that can be named.
     pub registry: Registry,
+    /// The command line that starts this program.
+    pub program: &'a [OsString],
     /// The command line's definition.
     pub definition: fn() -> clap::Command,
 }

@@ -193,15 +193,11 @@ impl RunSweep {
                 findings: false,
             });
         }
-        let program = std::env::current_exe().map_err(|source| aurt_experiment::sweep::SweepError::Read {
-            path: "/proc/self/exe".into(),
-            source,
-        })?;
         // The jobs lock the folder for themselves.
         drop(folder);
         let plugins: Vec<PathBuf> = session.registry.libraries().iter().map(|l| l.path.clone()).collect();
         let folder = Folder::shared(&path)?;
-        let submission = slurm::submit(&folder, &points, &program, &plugins, &self.slurm_arg)?;
+        let submission = slurm::submit(&folder, &points, session.program, &plugins, &self.slurm_arg)?;
         let text = format!(
             "{} of {} points submitted as job {} {}\n  their output: {}\n  when they are done: \
              aurt sweep collect --out {}\n  to submit those that a lost node left out: the same command again\n",

@@ -3,7 +3,7 @@
 use std::{
     collections::{BTreeSet, HashMap},
     path::{Path, PathBuf},
-    sync::Mutex,
+    sync::{Mutex, OnceLock},
 };
 
 use crate::Experiment;
@@ -15,6 +15,15 @@ use crate::sweep::{SweepError, definition::Validate};
 
 /// Version of what is hashed, and of the results.
 const VERSION: &str = "aurt sweep result 1";
+
+/// The file that [`code_is_in`] states.
+static CODE: OnceLock<PathBuf> = OnceLock::new();
+
+/// States that this code is loaded from a library, not from the program's executable; keys then depend on the library.
+pub fn code_is_in(library: PathBuf) {
+    // A process loads it once.
+    let _ = CODE.set(library);
+}
 
 /// Digests of files, each read once.
 #[derive(Debug, Default)]
@@ -45,8 +54,8 @@ impl Digests {
 }
 
 /// The key of a point: a hash of everything that its result depends on. These are the resolved experiment, the contents
-/// of every file that it names, how points are judged, and the program: its version, its executable and those of the
-/// loaded libraries whose models the experiment has.
+/// of every file that it names, how points are judged, and the program: its version, its executable (or [library](code_is_in)) and those
+/// of the loaded libraries whose models the experiment has.
 ///
 /// # Errors
 /// [`SweepError::Read`] if a file cannot be read.
@@ -65,7 +74,7 @@ pub fn key(
     };
     add(VERSION.as_bytes());
     add(env!("CARGO_PKG_VERSION").as_bytes());
-    if let Ok(program) = std::env::current_exe() {
+    if let Some(program) = CODE.get().cloned().or_else(|| std::env::current_exe().ok()) {
         add(&digests.of(&program)?);
     }
     let used = libraries_of(experiment);

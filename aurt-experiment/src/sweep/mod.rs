@@ -31,6 +31,7 @@ pub use comparison::{holm, paired, paired_overall};
 pub use definition::{Axis, Definition, Setting, Step, Validate};
 pub use error::{PointError, SweepError};
 pub use folder::Folder;
+pub use identity::code_is_in;
 pub use loading::{Data, Loader, Settings};
 pub use place::Place;
 pub use plan::{Plan, PlannedPoint};

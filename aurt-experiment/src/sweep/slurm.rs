@@ -23,23 +23,24 @@ pub struct Submission {
     pub output: PathBuf,
 }
 
-/// Submits points, in ascending order, as job arrays; `arguments` go to `sbatch` as they are (`--partition=…`,
-/// `--time=…`, `--wait`).
+/// Submits points, in ascending order, as job arrays. `program` is the command line that starts `aurt`; `arguments` go to
+/// `sbatch` as they are (`--partition=…`, `--time=…`, `--wait`).
 ///
 /// # Errors
 /// [`SweepError::Slurm`] if `sbatch` cannot be run or refuses.
 pub fn submit(
     folder: &Folder,
     points: &[usize],
-    program: &Path,
+    program: &[OsString],
     plugins: &[PathBuf],
     arguments: &[String],
 ) -> Result<Submission, SweepError> {
     let absolute = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let output = absolute(folder.path()).join("slurm");
     fs::create_dir_all(&output).map_err(|source| SweepError::Write { path: output.clone(), source })?;
-    let mut program = vec!["exec".to_owned(), shell_word(&absolute(program))];
-    program.extend(plugins.iter().map(|p| format!("--plugin {}", shell_word(&absolute(p)))));
+    let mut words = vec!["exec".to_owned()];
+    words.extend(program.iter().map(|word| shell_word(Path::new(word))));
+    words.extend(plugins.iter().map(|p| format!("--plugin {}", shell_word(&absolute(p)))));
     let mut log = OsString::from("--output=");
     log.push(output.join("%A_%a.out"));
     let mut jobs: Vec<String> = Vec::new();
@@ -50,11 +51,8 @@ pub fn submit(
             0 => "\"$SLURM_ARRAY_TASK_ID\"".to_owned(),
             _ => format!("\"$((SLURM_ARRAY_TASK_ID + {offset}))\""),
         };
-        let script = format!(
-            "{} sweep point {point} --out {}",
-            program.join(" "),
-            shell_word(&absolute(folder.path()))
-        );
+        let script =
+            format!("{} sweep point {point} --out {}", words.join(" "), shell_word(&absolute(folder.path())));
         let mut command = Command::new("sbatch");
         command
             .args(["--parsable", "--job-name=aurt-sweep"])

@@ -31,6 +31,7 @@ __all__ = [
     "diagnose_experiment",
     "excite",
     "gains",
+    "main",
     "robots",
     "simulate",
     "sweep",
@@ -508,6 +509,9 @@ class Sweep:
 
 def sweep(path: _Path, out: _Path, *, rows: str = "all", progress: _Progress = None) -> Sweep:
     """Runs the points of an experiment's section `sweep` that have no result in the folder yet, and ranks all."""
+
+def main() -> int:
+    """The command `aurt` with the arguments of this process; returns its exit status."""
 
 def robots() -> list[str]:
     """Names of the robots that can be simulated."""
