@@ -11,7 +11,7 @@ pub struct Entry {
     pub knows_head: bool,
 }
 
-pub const ENTRIES: [Entry; 17] = [
+pub const ENTRIES: [Entry; 18] = [
     Entry {
         takes: &["run EXPERIMENT.toml"],
         lines: &["run experiment.toml --out results"],
@@ -87,6 +87,13 @@ pub const ENTRIES: [Entry; 17] = [
         lines: &["diagnose experiment.toml --out diagnosis"],
         results: &["diagnosis/verdict.json#/effects", "diagnosis/verdict.json#/verdict"],
         in_part: &[""],
+        knows_head: true,
+    },
+    Entry {
+        takes: &["next EXPERIMENT.toml"],
+        lines: &["next experiment.toml --tries 8 --duration-s 10 --out motion.csv --json >next.json"],
+        results: &["next.json#/command"],
+        in_part: &["command"],
         knows_head: true,
     },
     Entry {
