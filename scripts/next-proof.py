@@ -116,8 +116,15 @@ def main():
         case = Case(arguments.aurt, arguments.out / f"case_{k:03}", random.Random(rng.random()))
         motion = case.first()
         case.record("first", motion, case.seed)
-        planned = case.folder / "planned_motion.csv"
-        done = run(case.program, "next", case.experiment("first"), "--json", "--duration-s", f"{case.duration_s:.1f}", "--out", planned)
+        planned, generic = case.folder / "planned_motion.csv", case.folder / "generic_motion.csv"
+        done = run(case.program, "excite", "--robot", "ur10e", "--duration-s", f"{case.duration_s:.1f}", "--tries", "100", "--json",
+                   "--seed", case.seed % 1000, "--out", generic)
+        limits = json.loads(done.stdout)["limits"]
+        columns = ["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"]
+        rows = [columns] + [[str(joint[column]) for column in columns] for joint in limits]
+        (case.folder / "limits.csv").write_text("".join(",".join(row) + "\n" for row in rows))
+        done = run(case.program, "next", case.experiment("first"), "--json", "--limits", case.folder / "limits.csv",
+                   "--duration-s", f"{case.duration_s:.1f}", "--out", planned)
         plan = json.loads(done.stdout)
         open_ones = case.doubtful(plan)
         kinds[(case.effect["name"], case.judged(case.verdict("first")))] += 1
@@ -125,9 +132,6 @@ def main():
             continue
         doubtful += 1
         expected.append(min(o["planned"]["settled"] for o in open_ones))
-        generic = case.folder / "generic_motion.csv"
-        run(case.program, "excite", "--robot", "ur10e", "--duration-s", f"{case.duration_s:.1f}", "--share", "0.6", "--tries", "100",
-            "--seed", case.seed % 1000, "--out", generic)
         case.record("planned", {"kind": "recorded", "file": planned.name}, case.seed + 1)
         case.record("generic", {"kind": "recorded", "file": generic.name}, case.seed + 1)
         case.record("again", motion, case.seed + 2)

@@ -21,6 +21,10 @@ pub struct Outlook {
     pub settled: f64,
     /// The probability that the wrong explanation is preferred.
     pub wrongly: f64,
+    /// The evidence that the motion brings, whose product over all doubts a plan maximises: the expected logarithm of the ratio
+    /// of likelihoods, the square of the free share, or of the ratio of the wanted deviation to that which is left. Other than
+    /// a probability it still grows where the doubt is all but settled.
+    pub evidence: f64,
     /// Share of the torque that the other explanation, or the model, cannot take up.
     pub free: f64,
     /// The parameter in question, now and after the motion.
@@ -80,18 +84,25 @@ impl Discrimination<'_> {
                 let nats = ways[0].nats.min(ways[1].nats);
                 let [settled, wrongly] = decided(nats);
                 let free = ways[0].free.min(ways[1].free);
-                Outlook { nats: Some(nats), settled, wrongly, free, interval: None }
+                Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
             }
             Doubt::Absorbed { subject } => {
                 let free = self.free(subject, planned);
                 let settled = (free / self.question.selection.free_share).min(1.0);
-                Outlook { nats: None, settled, wrongly: 0.0, free, interval: None }
+                Outlook { nats: None, settled, wrongly: 0.0, evidence: free * free, free, interval: None }
             }
             Doubt::Wide { subject, wanted } => {
                 let of_subject = self.intervals_of(subject, &self.narrowed(planned));
                 let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
-                let settled = interval.as_ref().map_or(0.0, |i| (wanted.std / i.after).min(1.0));
-                Outlook { nats: None, settled, wrongly: 0.0, free: 1.0, interval }
+                let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
+                Outlook {
+                    nats: None,
+                    settled: ratio.min(1.0),
+                    wrongly: 0.0,
+                    evidence: ratio * ratio,
+                    free: 1.0,
+                    interval,
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! The motion is composed of pieces drawn at random within the limits: multi-sines, constant speeds, slow triangles, poses held.
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
-//! finds those that together settle most: that maximise the product of the probabilities with which the doubts are settled.
+//! finds those that together settle most: that maximise the product of the evidence on all doubts.
 
 mod text;
 
@@ -87,7 +87,7 @@ const STANDING: [f64; 2] = [0.005, 0.02];
 /// Time to the full speed of such a joint, s.
 const TO_FULL_SPEED_S: f64 = 0.5;
 /// Share of the limits that is used at most: tracking overshoots.
-const SHARE: f64 = 0.9;
+const SHARE: f64 = 0.8;
 /// A doubt that all pieces together do not settle with this probability is beyond motions like these.
 const EVER: f64 = 0.5;
 
@@ -348,7 +348,7 @@ impl<'a> Planner<'a> {
         let value = |chosen: &[usize]| -> f64 {
             let Some(sum) = together(chosen.iter().map(|k| &pieces[*k])) else { return f64::NEG_INFINITY };
             let outlook = self.discrimination.outlook_of(open, &sum);
-            outlook.iter().map(|o| o.settled.max(f64::MIN_POSITIVE).ln()).sum()
+            outlook.iter().map(|o| o.evidence.max(f64::MIN_POSITIVE).ln()).sum()
         };
         let best = |chosen: &[usize], place: usize| -> (f64, Vec<usize>) {
             let all = (0..pieces.len()).into_par_iter().map(|k| {
