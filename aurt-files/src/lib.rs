@@ -16,4 +16,4 @@ pub use input::{
     text_of,
 };
 pub use protected::{is_input, protect_inputs};
-pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_coloured, harmless_json, is_harmful};
+pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_json, is_harmful};
