@@ -10,6 +10,7 @@ mod input;
 pub mod output;
 mod protected;
 mod shown;
+mod tables;
 
 pub use input::{
     MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_bytes, read_pieces, read_regular, read_text,
@@ -17,3 +18,4 @@ pub use input::{
 };
 pub use protected::{is_input, protect_inputs};
 pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_json, is_harmful};
+pub use tables::{MOST_TABLES, table_beyond};
