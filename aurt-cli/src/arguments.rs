@@ -14,7 +14,7 @@ use crate::{
 
 /// Model, calibrate and explain the dynamics of robot manipulators from recordings of the real machine.
 #[derive(Debug, Parser)]
-#[command(name = "aurt", version, max_term_width = 100, propagate_version = true)]
+#[command(name = "aurt", bin_name = "aurt", version, max_term_width = 100, propagate_version = true)]
 #[command(after_help = "First steps:\n  \
     aurt demo                                    the whole chain on a recording made for it\n  \
     aurt run experiment.toml --out results       the whole chain on yours\n\n\

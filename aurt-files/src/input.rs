@@ -11,6 +11,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+#[cfg(unix)]
+use crate::protected::is_known;
 use crate::protected::note;
 
 /// Largest text that is written by hand: experiments, scenarios, plans, limits, geometries.
@@ -29,7 +31,8 @@ const PIPE_PATIENCE: Duration = Duration::from_secs(5);
 ///
 /// # Errors
 /// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices, sockets and files
-/// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds.
+/// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds;
+/// [`ErrorKind::NotSeekable`] for one that the command has read before.
 pub fn open(path: &Path) -> Result<File> {
     let (file, metadata) = open_at_once(path)?;
     if metadata.is_file() {
@@ -37,19 +40,35 @@ pub fn open(path: &Path) -> Result<File> {
         return Ok(file);
     }
     #[cfg(unix)]
-    wait_for_writer(&file)?;
+    {
+        if is_known(&metadata) {
+            return Err(readable_once());
+        }
+        wait_for_writer(&file)?;
+        note(path, &metadata);
+    }
     Ok(file)
+}
+
+/// Refusal of a pipe where it has been read before, or is to be read again later.
+fn readable_once() -> Error {
+    let reason = "it is a pipe, which can be read once only; save its contents to a file and name that";
+    Error::new(ErrorKind::NotSeekable, reason)
 }
 
 /// As [`open`] for what is read more than once: a regular file, and no pipe.
 ///
 /// # Errors
-/// As [`open`]; [`ErrorKind::InvalidInput`] for pipes.
+/// As [`open`]; [`ErrorKind::NotSeekable`] for pipes.
 pub fn open_regular(path: &Path) -> Result<File> {
+    // Opening a pipe and closing it again would end its writer.
+    #[cfg(unix)]
+    if fs::metadata(path)?.file_type().is_fifo() {
+        return Err(readable_once());
+    }
     let (file, metadata) = open_at_once(path)?;
     if !metadata.is_file() {
-        let reason = "it is a pipe, which can be read once only; save its contents to a file and name that";
-        return Err(Error::new(ErrorKind::InvalidInput, reason));
+        return Err(readable_once());
     }
     note(path, &metadata);
     Ok(file)
@@ -266,7 +285,7 @@ mod tests {
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
         let once = open_regular(&path).unwrap_err();
-        assert_eq!(once.kind(), ErrorKind::InvalidInput);
+        assert_eq!(once.kind(), ErrorKind::NotSeekable);
         assert!(once.to_string().contains("once"), "{once}");
         let writer = std::thread::spawn({
             let path = path.clone();

@@ -10,10 +10,12 @@ mod input;
 pub mod output;
 mod protected;
 mod shown;
+mod tables;
 
 pub use input::{
     MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_bytes, read_pieces, read_regular, read_text,
     text_of,
 };
 pub use protected::{is_input, protect_inputs};
-pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_coloured, harmless_json, is_harmful};
+pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_json, is_harmful};
+pub use tables::{MOST_TABLES, table_beyond};

@@ -30,6 +30,15 @@ pub(crate) fn note(path: &Path, metadata: &Metadata) {
     }
 }
 
+/// Whether this process has read what has such metadata.
+#[cfg(unix)]
+pub(crate) fn is_known(metadata: &Metadata) -> bool {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    read.as_ref()
+        .zip(identity(Path::new(""), metadata))
+        .is_some_and(|(read, identity)| read.contains_key(&identity))
+}
+
 /// Whether a path, by this name or another, leads to a file that this process has read.
 #[must_use]
 pub fn is_input(path: &Path) -> bool {

@@ -53,14 +53,23 @@ pub fn is_harmful(c: char) -> bool {
 /// ```
 #[must_use]
 pub fn harmless(text: &str) -> Cow<'_, str> {
-    harmless_but(text, |_| None)
-}
-
-/// As [`harmless`], of text that has colours of our own: sequences that set a colour or a weight remain (`ESC [ 1 m`), those
-/// that hide or invert what follows do not.
-#[must_use]
-pub fn harmless_coloured(text: &str) -> Cow<'_, str> {
-    harmless_but(text, emphasis)
+    if !text.contains(is_harmful) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(is_harmful) {
+        shown.push_str(&rest[..at]);
+        rest = &rest[at..];
+        let Some(c) = rest.chars().next() else { break };
+        // A carriage return before a line feed is a line end of another system.
+        if !rest.starts_with("\r\n") {
+            shown.extend(c.escape_default());
+        }
+        rest = &rest[c.len_utf8()..];
+    }
+    shown.push_str(rest);
+    Cow::Owned(shown)
 }
 
 /// A JSON document of the same value without harmful characters: they can only stand in its texts, where each has an escape.
@@ -80,47 +89,6 @@ pub fn harmless_json(document: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Escapes harmful characters outside of what `own` tells the length of.
-fn harmless_but(text: &str, own: impl Fn(&str) -> Option<usize>) -> Cow<'_, str> {
-    if !text.contains(is_harmful) {
-        return Cow::Borrowed(text);
-    }
-    let mut shown = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find(is_harmful) {
-        shown.push_str(&rest[..at]);
-        rest = &rest[at..];
-        if let Some(length) = own(rest) {
-            shown.push_str(&rest[..length]);
-            rest = &rest[length..];
-            continue;
-        }
-        let Some(c) = rest.chars().next() else { break };
-        // A carriage return before a line feed is a line end of another system.
-        if !rest.starts_with("\r\n") {
-            shown.extend(c.escape_default());
-        }
-        rest = &rest[c.len_utf8()..];
-    }
-    shown.push_str(rest);
-    Cow::Owned(shown)
-}
-
-/// Length of a sequence at the beginning that sets colour or weight, and nothing else.
-fn emphasis(text: &str) -> Option<usize> {
-    let parameters = text.strip_prefix("\u{1b}[")?;
-    let end = parameters.find(|c: char| !c.is_ascii_digit() && c != ';')?;
-    let (parameters, rest) = parameters.split_at(end);
-    // What follows 38 names a colour; 5 to 8 blink, invert and hide.
-    let before_colour = parameters.split(';').take_while(|p| *p != "38");
-    let is_visible = |p: &str| {
-        matches!(p, "" | "0" | "1" | "2" | "3" | "4" | "22" | "23" | "24" | "39")
-            || p.parse().is_ok_and(|colour: u8| matches!(colour, 31..=37 | 91..=97))
-    };
-    let sets = end <= 24 && rest.starts_with('m') && before_colour.into_iter().all(is_visible);
-    sets.then_some("\u{1b}[".len() + end + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -132,11 +100,6 @@ mod tests {
         assert_eq!(harmless("a\tb\nc"), "a\tb\nc");
         assert_eq!(harmless("a\r\n"), "a\n");
         assert_eq!(harmless("\u{1b}[1mtitle\u{1b}[0m"), "\\u{1b}[1mtitle\\u{1b}[0m");
-        let coloured = "\u{1b}[1mtitle\u{1b}[0m \u{1b}[38;2;8;7;5mcolour\u{1b}[31;1m";
-        assert_eq!(harmless_coloured(coloured), coloured);
-        for hidden in ["\u{1b}[8m", "\u{1b}[1;8m", "\u{1b}[7m", "\u{1b}[30m", "\u{1b}[2J", "\u{9b}1m"] {
-            assert!(!harmless_coloured(hidden).contains(is_harmful), "{hidden:?}");
-        }
         assert_eq!(
             harmless("x\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m"),
             "x\\u{1b}]0;title\\u{7}\\u{1b}[2J\\u{9b}31m"

@@ -111,6 +111,9 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
         std::io::ErrorKind::InvalidInput => {
             "it is not a regular file (a device, a socket or a file of the kernel); save the recording to a file and name that"
         }
+        std::io::ErrorKind::NotSeekable => {
+            "it is a pipe, which can be read once only; save its contents to a file and name that"
+        }
         std::io::ErrorKind::TimedOut => {
             "it is a pipe that nobody writes to within 5 s; start its writer first"
         }

@@ -191,6 +191,16 @@ impl SimulationError {
         Self::at(path, text, error.span().map_or(0, |span| span.start), error.message().to_owned())
     }
 
+    /// Refuses a text of so many tables that reading it would take minutes.
+    ///
+    /// # Errors
+    /// [`Self::Syntax`].
+    pub fn refuse_tables(path: &Path, text: &str) -> Result<(), Self> {
+        let reason =
+            format!("such a file has at most {} tables, and this is one more", aurt_files::MOST_TABLES);
+        aurt_files::table_beyond(text).map_or(Ok(()), |at| Err(Self::at(path, text, at, reason)))
+    }
+
     /// What is wrong at a byte of a text.
     pub fn at(path: &Path, text: &str, byte: usize, reason: String) -> Self {
         let before = text.get(..byte).unwrap_or_default();

@@ -105,7 +105,9 @@ impl ScenarioFile {
     /// # Errors
     /// [`SimulationError::Unreadable`] with the place of what is wrong.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))
+        let path = path.as_ref();
+        SimulationError::refuse_tables(path, text)?;
+        toml::from_str(text).map_err(|error| SimulationError::syntax(path, text, &error))
     }
 
     /// Reads a scenario from a file.

@@ -58,6 +58,14 @@ impl CalibratedModel {
     /// What reading the file reports, with the place of what is wrong.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Error> {
         let (value, text) = read_json(path)?;
+        Self::from_document(path, &value, &text, registry)
+    }
+
+    /// The model in what was read of a file, its value and its text; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_document(path: &Path, value: &Value, text: &str, registry: &Registry) -> Result<Self, Error> {
         let refuse = |reason: String, remedy: &str| Error::Unfit {
             path: path.to_owned(),
             reason,
@@ -80,7 +88,7 @@ impl CalibratedModel {
         let entry = |key: &str| value.get(key).ok_or_else(|| refuse(format!("lacks the key `{key}`"), make));
         let unreadable = |key: &str, e: &serde_json::Error| refuse(format!("`{key}`: {e}"), make);
         let model = robot_model_from_json(entry("model")?, registry)
-            .map_err(|e| Error::from(e.in_file(path, &text, &["model"])))?;
+            .map_err(|e| Error::from(e.in_file(path, text, &["model"])))?;
         let calibration: Calibration = serde_json::from_value(entry("calibration")?.clone())
             .map_err(|e| unreadable("calibration", &e))?;
         let preprocessing =

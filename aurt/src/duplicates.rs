@@ -129,7 +129,7 @@ impl SampleRegister {
             });
             found.map(|place| &self.seen[*place]).find(|seen| seen.whole != whole)
         });
-        // Each recording for validation is judged by itself.
+        // Parts of one recording in files of their own may be judged beside it.
         let by_itself = |seen: &&Seen| seen.role == used.role && used.role == Role::Validation.name();
         let alike = || {
             let others = self.seen.iter().rev().take(COMPARED).filter(|seen| !same(seen) && !by_itself(seen));
@@ -137,7 +137,8 @@ impl SampleRegister {
                 .filter_map(|seen| Some((seen, seen.pieces.likeness(&used.series(), used.rows.clone())?)))
                 .next()
         };
-        let same_samples = shared.filter(|seen| !by_itself(seen)).map(|seen| (seen, Likeness::Same));
+        let same_samples =
+            shared.filter(|seen| same(seen) || !by_itself(seen)).map(|seen| (seen, Likeness::Same));
         if let Some((seen, likeness)) = same_samples.or_else(alike) {
             return Err(Error::Repeated {
                 recording: used.label.into(),

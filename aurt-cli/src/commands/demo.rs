@@ -1,6 +1,9 @@
 //! `aurt demo`: the whole chain on recordings made for it.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
@@ -33,11 +36,10 @@ impl Demo {
     /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
-        refuse_foreign_experiment(&self.out)?;
         let progress = session.terminal.progress(1);
         progress.step("simulating the robot");
         let inputs = demo::files()?;
-        folder.write(&inputs)?;
+        folder.write(&missing(&self.out, &inputs)?)?;
         drop(progress);
 
         let experiment = Experiment::read(folder.path().join("experiment.toml"), &mut session.registry)?;
@@ -72,19 +74,27 @@ impl Demo {
     }
 }
 
-/// An experiment of the user's own must not be overwritten.
-fn refuse_foreign_experiment(folder: &Path) -> Result<(), Failure> {
-    let path = folder.join("experiment.toml");
-    let ours = demo::EXPERIMENT.lines().next().unwrap_or_default();
-    match aurt_files::read_text(&path, aurt_files::MOST_TEXT_BYTES) {
-        Ok(text) if !text.starts_with(ours) => Err(Failure::Output {
-            option: "--out",
-            path,
-            reason: "is an experiment of your own and would be overwritten".into(),
-            remedy: "name another folder".into(),
-        }),
-        _ => Ok(()),
+/// The inputs that an earlier demo has not written yet. Files of the same names and other contents are the user's, and stay.
+fn missing(folder: &Path, inputs: &[demo::File]) -> Result<Vec<demo::File>, Failure> {
+    let mut missing = Vec::new();
+    for (name, contents) in inputs {
+        let path = folder.join(name);
+        match aurt_files::read_regular(&path, aurt_files::MOST_MODEL_BYTES) {
+            Ok(found) if found == *contents => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                missing.push((name.clone(), contents.clone()))
+            }
+            _ => {
+                return Err(Failure::Output {
+                    option: "--out",
+                    path,
+                    reason: "is not as the demo writes it: it is your own, or of another version, and would be overwritten".into(),
+                    remedy: "name another folder".into(),
+                });
+            }
+        }
     }
+    Ok(missing)
 }
 
 /// What a diagnosis found, and what it is worth on the recording that took no part, for a terminal.

@@ -9,6 +9,7 @@ use aurt_experiment::workbench::{
     failure::Failure,
     output::OutputFolder,
 };
+use aurt_plugins::model::model_file::read_json;
 use aurt_report::rendering::text::wrapped;
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -161,7 +162,9 @@ impl Export {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
-        let made = match (CalibratedDrive::read(&self.model)?, self.original()?) {
+        // Once: it may be a pipe.
+        let (document, read) = read_json(&self.model)?;
+        let made = match (CalibratedDrive::from_document(&self.model, &document)?, self.original()?) {
             (Some(drive), None) if target == Target::Mjcf => drive.to_mjcf(&self.name)?,
             (Some(drive), None) if target == Target::Isaac => {
                 let read = |path: &PathBuf| Experiment::read_with_drives(path, &mut session.registry.clone());
@@ -178,7 +181,7 @@ impl Export {
                 });
             }
             (None, original) => {
-                let model = ModelFile::read(&self.model, &session.registry)?;
+                let model = ModelFile::from_document(&self.model, document, &read, &session.registry)?;
                 match original {
                     Some((file, format)) => {
                         correct(&model, file, format, [self.base.as_deref(), self.tip.as_deref()])?

@@ -10,7 +10,7 @@ use aurt_experiment::workbench::{
     output::OutputFile,
     results::series::{Series, SeriesFormat},
 };
-use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_json};
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
@@ -49,11 +49,14 @@ impl Predict {
     /// Predicts.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
-        if let Some(drive) = CalibratedDrive::read(&self.model)? {
+        // Once: it may be a pipe.
+        let (document, text) = read_json(&self.model)?;
+        if let Some(drive) = CalibratedDrive::from_document(&self.model, &document)? {
             return self.roll_out(drive, &out);
         }
         let blake3 = hash_of_file(&self.model).unwrap_or_default();
-        let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
+        let calibrated = CalibratedModel::from_document(&self.model, &document, &text, &session.registry)?;
+        let calibrated = self.mounted(calibrated)?;
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
         let of_model = |failure: Failure| failure.of_value_in(&self.model);

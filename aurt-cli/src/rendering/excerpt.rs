@@ -45,11 +45,10 @@ impl Excerpt {
             first_line: line,
             span: start - from..end - from,
         }
-        .harmless()
     }
 
     /// Control characters replaced one by one, so that the underlined part stays where it is in characters.
-    fn harmless(self) -> Self {
+    pub fn harmless(self) -> Self {
         if matches!(aurt_files::harmless(&self.text), Cow::Borrowed(_)) {
             return self;
         }
@@ -97,7 +96,6 @@ impl Excerpt {
             first_line: line,
             span: shift(span.start)..shift(shown_end),
         }
-        .harmless()
     }
 }
 

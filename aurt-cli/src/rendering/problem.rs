@@ -55,7 +55,8 @@ impl Problem {
     }
 }
 
-/// What is wrong, as text for people.
+/// What is wrong, as text for a terminal: the colours of the theme are all that commands it, since [`problems`] has escaped what
+/// it shows.
 pub fn render(failure: &Failure, coloured: bool) -> String {
     let theme = if coloured { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme)
@@ -120,10 +121,10 @@ fn problems(failure: &Failure) -> Vec<Problem> {
     for problem in &mut problems {
         problem.message = shown(&problem.message);
         problem.help = problem.help.as_deref().map(shown);
-        // The theme's colours come after, so that those of a file's name are none of them.
-        if let Some(excerpt) = &mut problem.excerpt {
-            excerpt.name = shown(&excerpt.name);
-        }
+        problem.excerpt = problem.excerpt.take().map(|excerpt| {
+            let excerpt = excerpt.harmless();
+            Excerpt { name: shown(&excerpt.name), ..excerpt }
+        });
     }
     problems
 }

@@ -2,16 +2,16 @@
 //! no text of a file reaches a terminal with characters that command it.
 
 use std::{
-    borrow::Cow,
     collections::{BTreeMap, BTreeSet},
-    io::{ErrorKind, IsTerminal, Write},
+    io::{self, IsTerminal, Write},
     path::PathBuf,
 };
 
 use aurt::Progress;
-use aurt_files::{harmless, harmless_coloured, harmless_json};
+use aurt_files::{harmless, harmless_json};
 pub use aurt_report::rendering::style::Emphasis;
 use aurt_report::rendering::style::Style;
+use clap::error::ErrorKind;
 use serde_json::Value;
 
 use aurt_experiment::workbench::failure::Failure;
@@ -47,8 +47,8 @@ impl Terminal {
         Self {
             json,
             quiet,
-            colour_out: wanted && std::io::stdout().is_terminal(),
-            colour_err: wanted && std::io::stderr().is_terminal(),
+            colour_out: wanted && io::stdout().is_terminal(),
+            colour_err: wanted && io::stderr().is_terminal(),
         }
     }
 
@@ -72,7 +72,7 @@ impl Terminal {
         } else if self.quiet {
             return Ok(());
         } else {
-            write_unless_closed(&mut std::io::stdout().lock(), &shown(&report.text, self.colour_out))
+            write_unless_closed(&mut io::stdout().lock(), &self.style().finished(&report.text))
         };
         written.map_err(|source| Failure::write("standard output", source))
     }
@@ -102,7 +102,7 @@ impl Terminal {
         }
         let text = problem::render(failure, self.colour_err);
         // Nothing is left to do where standard error is closed.
-        let _ = write_unless_closed(&mut std::io::stderr().lock(), &shown(&text, self.colour_err));
+        let _ = write_unless_closed(&mut io::stderr().lock(), &text);
     }
 
     /// Prints a problem with the arguments for programs.
@@ -113,15 +113,19 @@ impl Terminal {
 
     /// Shows help that was asked for, or what is wrong with the arguments.
     pub fn print_usage(&self, message: &clap::Error) {
-        let coloured = if message.use_stderr() { self.colour_err } else { self.colour_out };
-        let text = message.render();
-        let text = if coloured { text.ansi().to_string() } else { text.to_string() };
-        let text = shown(&text, coloured);
-        // Nothing is left to do where the output is closed.
-        let _ = if message.use_stderr() {
-            write_unless_closed(&mut std::io::stderr().lock(), &text)
+        let (to_stderr, text) = (message.use_stderr(), message.render());
+        let coloured = if to_stderr { self.colour_err } else { self.colour_out };
+        let text = if is_help(message.kind()) && coloured {
+            // All of it is the definition's.
+            text.ansi().to_string()
         } else {
-            write_unless_closed(&mut std::io::stdout().lock(), &text)
+            usage_text(&text.to_string(), Style { coloured })
+        };
+        // Nothing is left to do where the output is closed.
+        let _ = if to_stderr {
+            write_unless_closed(&mut io::stderr().lock(), &text)
+        } else {
+            write_unless_closed(&mut io::stdout().lock(), &text)
         };
     }
 
@@ -143,28 +147,57 @@ impl Terminal {
 /// Writes text of no colours to standard error.
 pub fn print_error(text: &str) {
     // Nothing is left to do where standard error is closed.
-    let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(text));
+    let _ = write_unless_closed(&mut io::stderr().lock(), &harmless(text));
 }
 
 /// Whether a person can be asked.
 pub fn can_ask() -> bool {
-    std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
+    io::stdin().is_terminal() && io::stderr().is_terminal()
 }
 
-/// Text with colours of our own, if any are wanted, and without others.
-fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
-    if coloured { harmless_coloured(text) } else { harmless(text) }
+/// Whether clap shows nothing but the definition of the command line.
+const fn is_help(kind: ErrorKind) -> bool {
+    use ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
+    matches!(kind, DisplayHelp | DisplayHelpOnMissingArgumentOrSubcommand | DisplayVersion)
+}
+
+/// What is wrong with arguments: clap quotes them as they are, so that of its colours none remain.
+fn usage_text(plain: &str, style: Style) -> String {
+    const BEGINNING: &str = "error:";
+    let marked =
+        plain.strip_prefix(BEGINNING).map(|rest| style.emphasise(Emphasis::Warning, BEGINNING) + rest);
+    style.finished(marked.as_deref().unwrap_or(plain)).into_owned()
 }
 
 /// Writes a document for programs to standard output, which may be a terminal.
-fn write_document(document: &Value) -> std::io::Result<()> {
-    write_unless_closed(&mut std::io::stdout().lock(), &harmless_json(&pretty(document)))
+fn write_document(document: &Value) -> io::Result<()> {
+    write_unless_closed(&mut io::stdout().lock(), &harmless_json(&pretty(document)))
 }
 
 /// A reader that has seen enough (`aurt models | head`) is no failure.
-fn write_unless_closed(out: &mut impl Write, text: &str) -> std::io::Result<()> {
+fn write_unless_closed(out: &mut impl Write, text: &str) -> io::Result<()> {
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use aurt_files::is_harmful;
+
+    use super::*;
+
+    #[test]
+    fn of_arguments_nothing_reaches_a_coloured_terminal_as_it_is() {
+        for argument in ["a\u{1b}[38;5;15;8mb", "a\u{1b}[1mb", "\u{9b}31m", "\u{202e}"] {
+            let wrong = crate::arguments::parse(["aurt", argument].iter().map(Into::into)).unwrap_err();
+            assert!(!is_help(wrong.kind()));
+            let text = usage_text(&wrong.render().ansi().to_string(), Style { coloured: true });
+            let rest = text.replacen("\u{1b}[33merror:\u{1b}[0m", "", 1);
+            assert!(!rest.contains(is_harmful), "{text:?}");
+            let shown = usage_text(&wrong.render().to_string(), Style { coloured: true });
+            assert!(shown.starts_with("\u{1b}[33merror:\u{1b}[0m "), "{shown:?}");
+        }
     }
 }

@@ -44,6 +44,28 @@ fn what_is_no_toml_or_not_there() {
     ]);
 }
 
+/// Times grew with the square of the number of mistakes.
+#[test]
+fn a_hundred_thousand_mistakes_are_told_like_one() {
+    let folder = Folder::new();
+    let tables = (0..50_000).map(|k| format!("[a{k}.b]\n[a{k}]\n"));
+    let terms = "[[arm_terms]]\nmodel = \"rotor_inertia\"\n".repeat(3000);
+    for (text, line, said) in [
+        ("k = ,\n".repeat(100_000), 1, "99900 more problems are not shown"),
+        ("x\n".repeat(100_000), 1, "99900 more problems are not shown"),
+        ("a.b.c = 1\n".repeat(100_000), 2, "99899 more problems are not shown"),
+        (format!("a = {{{}}}", ",".repeat(1_000_000)), 1, "not TOML"),
+        (tables.collect(), 4001, "at most 4000 tables"),
+        (format!("schema = 1\n{terms}"), 2002, "at most 1000 arm terms, this one 3000"),
+    ] {
+        folder.write("broken.toml", &text);
+        let begin = std::time::Instant::now();
+        let place = format!("broken.toml:{line}:");
+        folder.aurt("run broken.toml --out out".split(' ')).refused(&[&place, said]);
+        assert!(begin.elapsed().as_secs() < 20, "{said}: {:?}", begin.elapsed());
+    }
+}
+
 #[test]
 fn a_variable_that_is_not_set() {
     let folder = Folder::new().with_demo(&["experiment.toml"]);

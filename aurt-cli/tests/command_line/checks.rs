@@ -209,6 +209,11 @@ fn a_sample_counts_once() {
     for line in ["run twice.toml --out out", "diagnose twice.toml --out out", "check twice.toml"] {
         folder.aurt(line.split(' ')).refused(&["copy.csv", "exciting_motion.csv", "each sample counts once"]);
     }
+    let many = vec!["\"other_motion.csv\""; 1000].join(", ");
+    folder.write("many.toml", &toml.replace("\"other_motion.csv\", \"point_to_point.csv\"", &many));
+    for line in ["run many.toml --out out", "check many.toml"] {
+        folder.aurt(line.split(' ')).refused(&["other_motion.csv", "validation", "each sample counts once"]);
+    }
     folder.aurt("diagnose asked.toml --out out".split(' ')).refused(&["other_motion.csv", "not held-out"]);
     folder.aurt("check copy.csv exciting_motion.csv".split(' ')).refused(&["the same samples"]);
     // Every second row under another clock is a copy.

@@ -340,6 +340,26 @@ fn pipes_and_devices_end() {
 }
 
 #[test]
+fn pipes_are_read_once() {
+    let folder = experiment().with_demo(&["rd_calibrated.json"]);
+    assert!(Command::new("mkfifo").arg(folder.path("pipe")).status().unwrap().success());
+    let run = |line: &str, name: &str| {
+        let (pipe, contents) = (folder.path("pipe"), folder.read(name));
+        // A command that refuses its input stops reading it.
+        let writer = std::thread::spawn(move || drop(fs::write(pipe, contents)));
+        let run = folder.aurt(words(line));
+        writer.join().unwrap();
+        run
+    };
+    run("export c pipe --name arm --out c", "rd_calibrated.json").succeeded();
+    run("predict --model pipe --data other_motion.csv --out p.csv", "rd_calibrated.json").succeeded();
+    folder.aurt(words("predict --model rd_calibrated.json --data other_motion.csv --out q.csv")).succeeded();
+    assert_eq!(folder.read("p.csv"), folder.read("q.csv"));
+    let line = "init pipe --robot ur10e --out first.toml";
+    run(line, "other_motion.csv").refused(&["pipe", "which can be read once only", "save its contents"]);
+}
+
+#[test]
 fn files_of_other_kinds_are_told_apart() {
     let folder = experiment();
     let toml = folder.read("experiment.toml");

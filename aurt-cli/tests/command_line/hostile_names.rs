@@ -1,19 +1,23 @@
 //! Names that would command a terminal or turn the direction of writing, in everything that has a name: no command hands them on.
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path, process::Command};
 
 use aurt_files::is_harmful;
 use serde_json::Value;
 
 use crate::{
     names::{BagJoint, experiment, recorded},
+    programs::aurt,
     support::Folder,
 };
 
-/// `ESC [ 8 m` hides what follows; U+202E turns it around; U+009B is `ESC [` in one character.
-const JOINTS: [BagJoint; 3] =
-    [("shoul\u{1b}[8mder", Some(0)), ("el\u{202e}bow\u{9b}2J\u{7f}", Some(1)), ("grip\u{2066}per", None)];
-const TOML_JOINTS: &str = r#"["shoul\u001b[8mder", "el\u202ebow\u009b2J\u007f"]"#;
+/// `ESC [ 38;5;15;8 m` sets a colour and hides what follows; U+202E turns it around; U+009B is `ESC [` in one character.
+const JOINTS: [BagJoint; 3] = [
+    ("shoul\u{1b}[38;5;15;8mder", Some(0)),
+    ("el\u{202e}bow\u{9b}2J\u{7f}", Some(1)),
+    ("grip\u{2066}per", None),
+];
+const TOML_JOINTS: &str = r#"["shoul\u001b[38;5;15;8mder", "el\u202ebow\u009b2J\u007f"]"#;
 const RECORDING: &str = "day\u{1b}[8m\u{202e}\u{9b}2J.mcap";
 const TOML_RECORDING: &str = r#""DAYday\u001b[8m\u202e\u009b2J.mcap""#;
 const MODEL: &str = "results/rd_calibrated.json";
@@ -171,4 +175,59 @@ fn no_command_hands_on_arguments_that_command_a_terminal() {
     }
     let run = folder.aurt(["\u{1b}[8m\u{202e}a"]);
     assert_harmless("an unknown command", &run.stderr());
+}
+
+/// What a command writes to a terminal with colours, lines ended as in files; nothing, with a reason printed, where no program makes a
+/// terminal. Its standard error is one as well unless it goes to `elsewhere`.
+#[cfg(target_os = "linux")]
+fn on_terminal(folder: &Folder, line: &str, elsewhere: bool) -> Option<String> {
+    let words = arguments(line, MODEL).into_iter().map(|word| format!(" '{word}'")).collect::<String>();
+    let apart = if elsewhere { " 2> /dev/null" } else { "" };
+    let output = Command::new("script")
+        .args(["-qc", &format!("'{}'{words}{apart}", aurt().display()), "/dev/null"])
+        .current_dir(folder.path(""))
+        .env_remove("NO_COLOR")
+        .env("TERM", "xterm-256color")
+        .stdin(std::process::Stdio::null())
+        .output();
+    let Ok(output) = output else {
+        println!("skipped: there is no program `script`");
+        return None;
+    };
+    Some(String::from_utf8(output.stdout).unwrap().replace("\r\n", "\n"))
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn no_name_commands_a_terminal_with_colours() {
+    let folder = hostile();
+    let text = folder.read("experiment.toml");
+    folder.write("bad.toml", &(text + "[joint_dynamics]\ncoulomb = { model = \"\\u001b[38;5;15;8mx\" }\n"));
+    let lines = [
+        "check experiment.toml",
+        "run experiment.toml --out results",
+        "diagnose experiment.toml --out diagnosis",
+        "sweep run sweep.toml --out sweep",
+        "sweep show sweep",
+        "export mjcf MODEL --name arm --out mjcf",
+    ];
+    let mut coloured = 0;
+    for line in lines {
+        let Some(shown) = on_terminal(&folder, line, true) else { return };
+        let own = ["\u{1b}[1m", "\u{1b}[33m", "\u{1b}[0m"];
+        coloured += usize::from(own.iter().any(|sequence| shown.contains(sequence)));
+        assert_harmless(line, &own.iter().fold(shown, |text, sequence| text.replace(sequence, "")));
+    }
+    assert!(coloured >= 5, "{coloured}");
+    for line in ["run bad.toml --out results", "run \u{1b}[38;5;15;8mx.toml --out results"] {
+        let Some(shown) = on_terminal(&folder, line, false) else { return };
+        assert!(shown.contains("[38;5;15;8mx") && shown.contains("\u{1b}["), "{line:?}: {shown:?}");
+        assert!(!shown.contains("\u{1b}[38;5;15;8m"), "{line:?}: {shown:?}");
+    }
+    // Sequences in arguments are left out.
+    let Some(shown) = on_terminal(&folder, "\u{1b}[38;5;15;8mx", false) else { return };
+    assert!(shown.starts_with("\u{1b}[33merror:\u{1b}[0m") && shown.contains("'x'"), "{shown:?}");
+    assert_harmless("a command", &shown.replace("\u{1b}[33m", "").replace("\u{1b}[0m", ""));
+    let Some(shown) = on_terminal(&folder, "--help", false) else { return };
+    assert!(shown.contains("\u{1b}[") && shown.contains("Options:"), "{shown:?}");
 }

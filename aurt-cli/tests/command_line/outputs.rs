@@ -176,6 +176,26 @@ fn recordings_of_one_name_keep_their_predictions_apart() {
 }
 
 #[test]
+fn the_demo_runs_again_where_it_has_run() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("demo")).unwrap();
+    // As if it had been killed: one of its files is missing.
+    for name in ["mdh.csv", "experiment.toml", "exciting_motion.csv", "other_motion.csv", "report.html"] {
+        fs::copy(DEMO.path("demo").join(name), folder.path("demo").join(name)).unwrap();
+    }
+    for _ in 0..2 {
+        folder.aurt("demo --out demo --quiet".split(' ')).succeeded();
+        for name in ["mdh.csv", "later.toml", "point_to_point.csv", "rd_calibrated.json"] {
+            assert_eq!(folder.read(&format!("demo/{name}")), DEMO.read(&format!("demo/{name}")), "{name}");
+        }
+    }
+    let changed = folder.read("demo/experiment.toml") + "# mine\n";
+    folder.write("demo/experiment.toml", &changed);
+    folder.aurt("demo --out demo".split(' ')).refused(&["experiment.toml", "your own", "another folder"]);
+    assert_eq!(folder.read("demo/experiment.toml"), changed);
+}
+
+#[test]
 fn the_demo_does_not_overwrite_an_experiment_of_the_user() {
     let folder = Folder::new();
     folder.write("experiment.toml", "schema = 1 # mine\n");

@@ -23,7 +23,7 @@ mod section;
 
 use std::path::{Path, PathBuf};
 
-use aurt_files::{MOST_TEXT_BYTES, read_text};
+use aurt_files::{MOST_TABLES, MOST_TEXT_BYTES, read_text, table_beyond};
 use aurt_recording::PreprocessOptions;
 use aurt_traits::ArmTerm;
 use toml::de::DeTable;
@@ -139,23 +139,38 @@ impl Experiment {
 
 /// The text as a table, or everything that makes it no TOML.
 fn syntax(text: &str) -> Result<Node, Vec<Complaint>> {
+    if let Some(at) = table_beyond(text) {
+        let message = format!("an experiment has at most {MOST_TABLES} tables, and this is one more");
+        return Err(vec![Complaint::new(at..at, message)]);
+    }
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        let mut complaints: Vec<Complaint> = errors
-            .iter()
-            .map(|e| Complaint::new(e.span().unwrap_or(0..0), format!("this is not TOML: {}", e.message())))
-            .collect();
-        // What follows the first error of a line is mostly its consequence.
-        let line = |c: &Complaint| text.get(..c.span.start).map_or(0, |before| before.matches('\n').count());
-        complaints.sort_by_key(|c| c.span.start);
-        complaints.dedup_by_key(|c| line(c));
-        return Err(complaints);
+        let said = |e: &toml::de::Error| {
+            Complaint::new(e.span().unwrap_or(0..0), format!("this is not TOML: {}", e.message()))
+        };
+        return Err(first_of_each_line(text, errors.iter().map(said).collect()));
     }
     let (root, unreadable) = Node::from_toml(table.get_ref(), 0..0);
     if unreadable.is_empty() {
         return Ok(root);
     }
     Err(unreadable.into_iter().map(|span| Complaint::new(span, "the number is too large")).collect())
+}
+
+/// The first complaint about each line: what follows it is mostly its consequence.
+fn first_of_each_line(text: &str, mut complaints: Vec<Complaint>) -> Vec<Complaint> {
+    complaints.sort_by_key(|c| c.span.start);
+    let mut line_end = None;
+    complaints.retain(|c| {
+        let start = c.span.start.min(text.len());
+        let is_first = line_end.is_none_or(|end| start > end);
+        if is_first {
+            let rest = &text.as_bytes()[start..];
+            line_end = Some(start + rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len()));
+        }
+        is_first
+    });
+    complaints
 }
 
 /// All sections, and the numbers of joints and links as soon as they can be known; no experiment where a section is unusable.
@@ -266,13 +281,25 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
     libraries
 }
 
+/// Arm terms of the largest experiment: eight on each joint of the largest robot, about; the work for a model grows with the square
+/// of their number.
+const MOST_ARM_TERMS: usize = 1000;
+
 /// An arm term and the recordings in which it acts.
 type ScopedTerm = (Box<dyn ArmTerm>, Option<Vec<String>>);
 
 fn read_arm_terms(top: &mut Section<'_, '_>, registry: &Registry) -> Vec<ScopedTerm> {
     let reader = top.reader;
     let mut terms = Vec::new();
-    for table in top.tables("arm_terms") {
+    let tables = top.tables("arm_terms");
+    if let Some(beyond) = tables.get(MOST_ARM_TERMS) {
+        let message =
+            format!("an experiment has at most {MOST_ARM_TERMS} arm terms, this one {}", tables.len());
+        let help = "a term's `joints` may list many joints, and each physics needs one term on a joint";
+        reader.complain(Complaint::new(&beyond.span, message).help(help));
+        return terms;
+    }
+    for table in tables {
         let (table, recordings) = without_scope(table, reader);
         if let Some(term) = joint_dynamics::build::<dyn ArmTerm>(reader, registry, &table) {
             reader.check_joints(JointCheck::ArmTerm { term: term.clone(), table });

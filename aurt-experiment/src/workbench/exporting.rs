@@ -60,8 +60,21 @@ impl ModelFile {
     /// # Errors
     /// If it holds no calibrated model.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
-        let calibrated = CalibratedModel::read(path, registry)?;
         let (document, text) = read_json(path)?;
+        Self::from_document(path, document, &text, registry)
+    }
+
+    /// The model in what was read of a file, its value and its text; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_document(
+        path: &Path,
+        document: Value,
+        text: &str,
+        registry: &Registry,
+    ) -> Result<Self, Failure> {
+        let calibrated = CalibratedModel::from_document(path, &document, text, registry)?;
         Ok(Self { calibrated, path: Some(path.to_owned()), document, blake3: hash(text.as_bytes()) })
     }
 

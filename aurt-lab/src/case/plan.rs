@@ -108,6 +108,7 @@ impl Plan {
     /// # Errors
     /// [`SimulationError::Unreadable`] with what is wrong; unknown robots and effects with what is known.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
+        SimulationError::refuse_tables(path.as_ref(), text)?;
         let plan: Self =
             toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))?;
         plan.requests(0).map_err(|error| match error {

@@ -15,8 +15,8 @@ const EXACT: i64 = 1 << 53;
 /// Messages among which one with efforts is looked for, and bytes that they may take.
 const LOOKED_AT: usize = 1000;
 const LOOKED_AT_BYTES: usize = 1 << 24;
-/// Joints of a robot; a message may have more if the robot's are named.
-const MOST_OF_ROBOT: usize = 100;
+/// Joints of the largest robot, `aurt_rbd::MOST_JOINTS`; a message may have more if the robot's are named.
+const MOST_OF_ROBOT: usize = 128;
 const SECOND_NS: i64 = 1_000_000_000;
 
 /// The rows of a topic: stamp, then positions, velocities and efforts of the wanted joints.

@@ -159,7 +159,7 @@ fn messages_of_more_joints_than_a_machine_has_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let begin = std::time::Instant::now();
     for (joints, said) in
-        [(50_000, "more than 1000 joints"), (120, "120 joints, and robots have at most 100")]
+        [(50_000, "more than 1000 joints"), (150, "150 joints, and robots have at most 128")]
     {
         let error = read(&bag(folder.path(), joints), 64 * MEGABYTE).unwrap_err().to_string();
         assert!(error.contains(said) && error.contains("many.mcap"), "{error}");

@@ -56,13 +56,21 @@ impl CalibratedDrive {
     /// # Errors
     /// A model of drives that is damaged.
     pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
-        let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
         let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).unwrap_or_default();
         let Ok(value) = serde_json::from_str::<Value>(&text) else { return Ok(None) };
+        Self::from_document(path, &value)
+    }
+
+    /// The calibrated arm in what was read of a file; none if it is another kind of model. `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn from_document(path: &Path, value: &Value) -> Result<Option<Self>, Failure> {
+        let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
         if value.get("drive_schema").is_none() {
             return Ok(None);
         }
-        let read: Self = serde_json::from_value(value).map_err(|e| unfit(e.to_string()))?;
+        let read = Self::deserialize(value).map_err(|e| unfit(e.to_string()))?;
         if read.drive_schema != 1 {
             return Err(unfit(format!("has drive_schema {}, this program reads 1", read.drive_schema)));
         }
