@@ -64,7 +64,8 @@ pub fn is_likely(mistake: &Mistake) -> bool {
             | Reading::Delay(_)
             | Reading::Time(_)
             | Reading::Gain { .. }
-            | Reading::Constants { .. } => false,
+            | Reading::Constants { .. }
+            | Reading::During { .. } => false,
         },
     }
 }

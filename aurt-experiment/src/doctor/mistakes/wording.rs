@@ -38,6 +38,10 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: Ro
         let less = 100.0 * (1.0 - factor);
         format!("where joints move, recordings are predicted from each other with an error that is {less:.0} % smaller")
     });
+    let error = step.own.map_or(error, |own| {
+        let [before, after] = own.map(percent);
+        format!("of this recording, error {before} → {after}")
+    });
     let mut alike: Vec<String> = step.alike.iter().take(TOLD).map(|other| undone(other, names)).collect();
     if step.alike.len() > TOLD {
         alike.push(format!("{} more", step.alike.len() - TOLD));
@@ -95,7 +99,13 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
             }
         },
         Mistake::Reading { what, file } => {
-            let of = file.and_then(|f| files.get(f)).map_or_else(String::new, |name| format!(" in {name}"));
+            let (what, span_s) = match what {
+                Reading::During { what, span_s } => (&**what, *span_s),
+                what => (what, [None, None]),
+            };
+            let mut of =
+                file.and_then(|f| files.get(f)).map_or_else(String::new, |name| format!(" in {name}"));
+            of.push_str(&stretch(span_s));
             match what {
                 Reading::Degrees => format!("Positions{of} seem to be in degrees"),
                 Reading::Turns => format!("Positions{of} seem to be in turns"),
@@ -140,6 +150,7 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
                 Reading::Constants { joints, .. } => {
                     format!("The torque constants of {} seem to be exchanged", names.joint_list(joints))
                 }
+                Reading::During { .. } => format!("Measurements{of} seem to be others"),
             }
         }
     }
@@ -163,6 +174,9 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
                 format!("add {:.4} rad to the column theta of row {joint} of the table", offset_rad)
             }
         },
+        Mistake::Reading { what: Reading::During { span_s, .. }, .. } => {
+            format!("correct the recording{}, or leave the stretch out with `window_s`", stretch(*span_s))
+        }
         Mistake::Reading { what, .. } => match what {
             Reading::Degrees => "write `angle = \"deg\"` in `[recordings]`".into(),
             Reading::Turns => "write `counts_per_revolution = 1` in `[recordings]`".into(),
@@ -208,6 +222,9 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
                 let joints = names.joint_list(joints);
                 format!("exchange the torque constants of {joints} in `torque_constants_nm_per_a`")
             }
+            Reading::During { what, .. } => {
+                undone(&Mistake::Reading { what: (**what).clone(), file: None }, names)
+            }
         },
     }
 }
@@ -234,6 +251,16 @@ fn permutation(order: &[usize], names: RobotNames<'_>) -> String {
             let in_file = (0..joints).filter_map(|place| order.iter().position(|p| *p == place));
             names.joint_list(&in_file.collect::<Vec<_>>())
         }
+    }
+}
+
+/// ` from 15.0 s on`, ` up to 15.0 s`, ` from 15.0 s to 22.5 s` after the first stamp.
+fn stretch(span_s: [Option<f64>; 2]) -> String {
+    match span_s {
+        [Some(from), Some(to)] => format!(" from {from:.1} s to {to:.1} s after its first stamp"),
+        [Some(from), None] => format!(" from {from:.1} s after its first stamp on"),
+        [None, Some(to)] => format!(" up to {to:.1} s after its first stamp"),
+        [None, None] => String::new(),
     }
 }
 
