@@ -12,6 +12,10 @@ use super::{setup::SLOW_SHARE, trial::FittedRows};
 pub(super) const LEAST_EXPLAINED: f64 = 0.5;
 /// Rows that say enough of a joint, as a share of those of a recording.
 const LEAST_ROWS: f64 = 0.1;
+/// The same of a stretch, in which more than half of a usual measurement is missed.
+const LEAST_STRETCH: f64 = 0.02;
+/// A stretch is told if what it misses beyond half of its measurement is this share of all that the recording measures.
+const LEAST_MISSED: f64 = 0.05;
 
 /// A joint that a model hardly explains.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,28 +76,27 @@ impl FittedRows {
     /// which little is measured has to be missed by as much as others.
     pub(super) fn hardly_explained(&self, joint: usize) -> Option<(f64, Option<[f64; 2]>)> {
         let rows = self.joints.get(joint)?;
-        let says_enough = |range: Range<usize>| {
-            rows[range].iter().flatten().count() as f64 >= LEAST_ROWS * rows.len() as f64
-        };
+        let share = |range: Range<usize>| rows[range].iter().flatten().count() as f64 / rows.len() as f64;
         let explained = |range: Range<usize>| {
             let sum =
                 |of: usize| rows[range.clone()].iter().flatten().map(|row| row[of].powi(2)).sum::<f64>();
             1.0 - sum(0) / sum(1)
         };
         let whole = explained(0..rows.len());
-        if whole.is_nan() || !says_enough(0..rows.len()) {
+        if whole.is_nan() || share(0..rows.len()) < LEAST_ROWS {
             return None;
         }
         if whole < LEAST_EXPLAINED {
             return Some((whole.max(0.0), None));
         }
         let measured = rows.iter().flatten();
-        let usual = measured.clone().map(|row| row[1].powi(2)).sum::<f64>() / measured.count() as f64;
+        let all = measured.clone().map(|row| row[1].powi(2)).sum::<f64>();
+        let usual = all / measured.count() as f64;
         let missed = |row: &Option<[f64; 2]>| {
             row.map_or(0.0, |[e, y]| e * e - (1.0 - LEAST_EXPLAINED) * usual.max(y * y))
         };
-        let (range, _) = heaviest(rows.iter().map(missed))?;
-        if !says_enough(range.clone()) {
+        let (range, most) = heaviest(rows.iter().map(missed))?;
+        if share(range.clone()) < LEAST_STRETCH || most < LEAST_MISSED * all {
             return None;
         }
         let span_s = [self.time_s[range.start], self.time_s[range.end - 1]];
@@ -145,5 +148,42 @@ impl Poor {
             format!(", {from} s to {to} s")
         });
         format!("{share} of {} ({name}{span})", names.joint(self.joint))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of 30 s that is measured with a sign of its own in a stretch.
+    fn rows(turned: Range<usize>) -> FittedRows {
+        let time_s: Vec<f64> = (0..600).map(|k| 0.05 * f64::from(k)).collect();
+        let row = |(k, t): (usize, &f64)| {
+            let predicted = t.sin();
+            let measured = if turned.contains(&k) { -predicted } else { predicted };
+            Some([measured - predicted, measured])
+        };
+        FittedRows { joints: vec![time_s.iter().enumerate().map(row).collect()], time_s }
+    }
+
+    #[test]
+    fn the_heaviest_neighbours_are_found() {
+        let found = heaviest([-1.0, 2.0, -0.5, 3.0, -4.0, 1.0]);
+        assert_eq!(found, Some((1..4, 4.5)));
+        assert_eq!(heaviest([-1.0, -2.0]), None);
+    }
+
+    #[test]
+    fn a_recording_and_a_stretch_of_it_are_told_apart() {
+        assert_eq!(rows(0..0).hardly_explained(0), None);
+        assert_eq!(rows(0..600).hardly_explained(0), Some((0.0, None)));
+        let Some((explained, Some([from_s, to_s]))) = rows(520..580).hardly_explained(0) else {
+            panic!("no stretch")
+        };
+        assert_eq!(explained, 0.0);
+        // Where the sine passes zero, little is missed.
+        assert!((26.0..26.5).contains(&from_s) && (28.2..29.0).contains(&to_s), "{from_s} {to_s}");
+        // A single row is a spike.
+        assert_eq!(rows(300..301).hardly_explained(0), None);
     }
 }

@@ -47,6 +47,8 @@ pub enum Table {
         joint: usize,
         /// What is added.
         offset_rad: f64,
+        /// Whether the robot is given by a table.
+        in_table: bool,
     },
 }
 

@@ -21,6 +21,7 @@ mod mistake;
 mod recordings;
 mod search;
 mod setup;
+mod slips;
 mod trial;
 mod undoing;
 mod usual;

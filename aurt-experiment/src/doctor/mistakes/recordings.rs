@@ -92,18 +92,12 @@ fn rows_of(bench: &Bench, setup: &Setup, fit: &Fit, file: usize) -> Option<Fitte
 
 impl Search<'_> {
     /// The mistakes inside recordings that are told, one after the other, the clearest first.
-    ///
-    /// A joint that is poor in all of several recordings is a matter of the whole setup.
     pub(super) fn in_recordings(&mut self, mut now: Setup, mut poor: Vec<Poor>) -> (Vec<Step>, Vec<Poor>) {
         let mut steps: Vec<Step> = Vec::new();
         let files = now.files();
         while steps.len() < MOST && !poor.is_empty() {
-            let is_everywhere = |joint: usize| {
-                files.len() > 1 && poor.iter().filter(|p| p.joint == joint).count() == files.len()
-            };
             let joints_of = |file: usize| -> Vec<usize> {
-                let own = poor.iter().filter(|p| p.file == file).map(|p| p.joint);
-                own.filter(|joint| !is_everywhere(*joint)).collect()
+                poor.iter().filter(|p| p.file == file).map(|p| p.joint).collect()
             };
             let places = files.iter().map(|file| (*file, joints_of(*file))).filter(|(_, j)| !j.is_empty());
             let places: Vec<(usize, Vec<usize>)> = places.collect();

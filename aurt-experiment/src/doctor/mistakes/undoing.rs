@@ -16,7 +16,7 @@ impl Mistake {
             Self::Gravity { to_m_s2 } => {
                 Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() }
             }
-            Self::Geometry { what: Table::Zero { joint, offset_rad }, .. } => {
+            Self::Geometry { what: Table::Zero { joint, offset_rad, .. }, .. } => {
                 let mut joints = setup.joints.clone();
                 joints[*joint].theta_offset_rad += offset_rad;
                 Setup { joints, model: OnceLock::new(), ..setup.clone() }

@@ -90,7 +90,7 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
             Table::Exchanged => "The columns a and d of the table seem to be exchanged".into(),
             Table::Mirrored => "The column alpha of the table seems to have the other sign".into(),
             Table::Known(name) => format!("The robot seems to be a {name}"),
-            Table::Zero { joint, offset_rad } => {
+            Table::Zero { joint, offset_rad, .. } => {
                 format!(
                     "The zero of {} seems to lie {:.0}° off",
                     names.joint(*joint),
@@ -170,9 +170,13 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
             Table::Exchanged => "exchange the names of the columns a and d in the header of the table".into(),
             Table::Mirrored => "turn the signs of the column alpha of the table".into(),
             Table::Known(name) => format!("change `name` to \"{name}\""),
-            Table::Zero { joint, offset_rad } => {
-                format!("add {:.4} rad to the column theta of row {joint} of the table", offset_rad)
+            Table::Zero { joint, offset_rad, in_table: true } => {
+                format!("add {offset_rad:.4} rad to the column theta of row {joint} of the table")
             }
+            Table::Zero { joint, offset_rad, in_table: false } => format!(
+                "turn the `origin` of {} by {offset_rad:.4} rad about its axis in the robot's description, or add this to its position",
+                names.joint(*joint)
+            ),
         },
         Mistake::Reading { what: Reading::During { span_s, .. }, .. } => {
             format!("correct the recording{}, or leave the stretch out with `window_s`", stretch(*span_s))
@@ -185,7 +189,8 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
             }
             Reading::PositionSign(joint) => {
                 format!(
-                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or `sign` -1 in its row of an MDH table",
+                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or turn its axis round in the robot's description (`sign` -1 in an \
+                     MDH table, `axis` in a URDF file)",
                     names.joint(*joint)
                 )
             }
