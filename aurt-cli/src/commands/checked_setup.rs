@@ -96,8 +96,9 @@ pub fn doubts(
         oddities.extend(said.into_iter().filter(|s| !oddities.contains(s)).collect::<Vec<_>>());
     }
     let subject = Subject::of_experiment(experiment, recordings)?;
-    let examination = mistakes::examine_calibrated(&subject, !poor.is_empty(), registry)?;
-    Ok(Doubts { loudly: mistakes::loudly(&poor, examination.names()), oddities, examination })
+    let examination = mistakes::examine_calibrated(&subject, &poor, registry)?;
+    let loudly = mistakes::loudly(&poor, results, examination.names());
+    Ok(Doubts { loudly, oddities, examination })
 }
 
 impl Doubts {

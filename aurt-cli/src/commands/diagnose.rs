@@ -243,7 +243,7 @@ impl Diagnose {
 /// What is wrong with the setup that physics would be invented for, if anything clearly is.
 fn mistaken(experiment: &Experiment, registry: &Registry) -> Result<Option<Examination>, Failure> {
     let subject = Subject::of_experiment(experiment, mistakes::recordings_of(experiment)?)?;
-    let examination = mistakes::examine_calibrated(&subject, false, registry)?;
+    let examination = mistakes::examine_calibrated(&subject, &[], registry)?;
     Ok(Some(examination).filter(Examination::is_serious))
 }
 

@@ -310,6 +310,22 @@ pub const MISTAKES: &[Mistake] = &[
         |w| w.each(|l| l.delay(rows_of(l.rows.as_slice(), 0.2))),
         &[&["delay_s"]],
     ),
+    everywhere(
+        "sign of a measurement from the middle of one calibration file on",
+        |w| {
+            let (column, half) = (w.logs[1].measurement(1), w.logs[1].rows.len() / 2);
+            w.logs[1].rows[half..].iter_mut().for_each(|row| row[column] *= -1.0);
+        },
+        &[&["joint 1", "tuesday.csv", "after its first stamp on", "sign"]],
+    ),
+    everywhere(
+        "two measurements exchanged in one calibration file",
+        |w| {
+            let first = w.logs[1].measurement(1);
+            w.logs[1].reorder(first, &[1, 0]);
+        },
+        &[&["tuesday.csv", "joints 1 and 2 exchanged"]],
+    ),
     mistake(
         "measurements 200 ms late in one file",
         |w| {

@@ -190,6 +190,7 @@ impl Checkup {
     pub fn findings(&self) -> Vec<String> {
         let mut findings = self.of_recordings();
         findings.extend(self.examination.iter().flat_map(Examination::sentences));
+        findings.extend(self.examination.iter().filter_map(Examination::unexplained));
         findings
     }
 
@@ -249,7 +250,11 @@ impl Checkup {
         if findings.is_empty() {
             let title = style.emphasise(Emphasis::Title, "findings");
             let measured = self.alone.iter().all(|s| s.one.loaded.recording.measurement.is_some());
-            let said = if measured {
+            let is_doubted =
+                self.examination.as_ref().is_some_and(|e| e.is_serious() || e.hardly().is_some());
+            let said = if is_doubted {
+                "none in columns and motions, but see robot and recordings together".to_owned()
+            } else if measured {
                 format!("ready to calibrate on {what}")
             } else {
                 format!("ready to predict for {what}; calibration needs measured currents or torques")

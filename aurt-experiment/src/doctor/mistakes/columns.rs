@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use aurt_recording::Recording;
 use aurt_traits::{MeasurementUnit, RobotNames};
 
+use super::slips::slips;
+
 /// A joint that moves no more than this rests, rad.
 const REST_RAD: f64 = 1e-4;
 /// Turns from which on a position is hardly that of an arm's joint.
@@ -56,6 +58,7 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
             }
         }
     }
+    said.extend(slips(name, recording));
     if let Some(measurement) = &recording.measurement {
         said.extend(of_measurements(name, recording, measurement, &spans));
     }

@@ -104,7 +104,8 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
             Reading::MeasurementSign(_)
             | Reading::AllMeasurementSigns
             | Reading::Gain { .. }
-            | Reading::Delay(_) => false,
+            | Reading::Delay(_)
+            | Reading::During { .. } => false,
             Reading::Order { of, order } => reordered(document, subject, *of, order, *file),
             Reading::Degrees => recorded(document, subject, *file, "angle", |_| "deg".into()),
             Reading::Turns => recorded(document, subject, *file, "counts_per_revolution", |_| 1.into()),

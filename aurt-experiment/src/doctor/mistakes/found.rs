@@ -35,6 +35,8 @@ pub struct Compared {
 pub struct Step {
     /// Of another robot that is likelier: the factor of the error with which recordings are predicted from each other.
     pub likelier: Option<f64>,
+    /// Of a mistake inside a recording: the errors of that recording, before and after.
+    pub own: Option<[f64; 2]>,
     /// The mistake.
     pub mistake: Mistake,
     /// The error once it is undone too.

@@ -45,6 +45,7 @@ impl GravitySign {
             let joints = after.joints.iter().flatten().count().max(1) as f64;
             return Some(Self::Refuted(Box::new(Step {
                 likelier: Some((-across.gain / joints).exp()),
+                own: None,
                 mistake,
                 after: bench.score(&other)?,
                 alike: Vec::new(),

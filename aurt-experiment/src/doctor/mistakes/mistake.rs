@@ -47,6 +47,8 @@ pub enum Table {
         joint: usize,
         /// What is added.
         offset_rad: f64,
+        /// Whether the robot is given by a table.
+        in_table: bool,
     },
 }
 
@@ -89,6 +91,13 @@ pub enum Reading {
         joints: [usize; 2],
         /// What the first one's measurement is multiplied with, and the other's divided by.
         factor: f64,
+    },
+    /// It is only so in a stretch.
+    During {
+        /// In what way it is to be read there.
+        what: Box<Reading>,
+        /// From and to when, s from the first stamp; an end without a number is that of the recording.
+        span_s: [Option<f64>; 2],
     },
 }
 
@@ -148,6 +157,9 @@ impl Reading {
     fn is_about_what(&self, other: &Self) -> bool {
         let scale = |r: &Self| matches!(r, Self::Degrees | Self::Turns | Self::Geared(_));
         match (self, other) {
+            (Self::During { what: a, span_s: s }, Self::During { what: b, span_s: t }) => {
+                s == t && a.is_about_what(b)
+            }
             (a, b) if scale(a) && scale(b) => true,
             (Self::Order { .. }, Self::Order { .. })
             | (Self::Delay(_), Self::Delay(_))

@@ -18,8 +18,10 @@ mod folds;
 mod found;
 mod gravity;
 mod mistake;
+mod recordings;
 mod search;
 mod setup;
+mod slips;
 mod trial;
 mod undoing;
 mod usual;
@@ -45,8 +47,9 @@ pub use self::{
 };
 use self::{
     gravity::GravitySign,
+    recordings::search_recordings,
     search::{Thorough, search},
-    setup::Setup,
+    setup::{Extent, Setup},
     trial::Bench,
 };
 use crate::doctor::inspection::judged::{
@@ -68,6 +71,8 @@ pub struct Examination {
     /// Fits that were tried.
     pub trials: usize,
     compared: Vec<found::Compared>,
+    /// What stays hardly explained in recordings, where no calibrated model says so.
+    poor: Vec<Poor>,
     compares_robots: bool,
     /// Whether the sign of gravity is not to be seen.
     has_open_gravity: bool,
@@ -82,23 +87,28 @@ pub struct Examination {
 /// # Errors
 /// If a window holds no samples.
 pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Failure> {
-    examined(subject, registry, Thorough::AnyJoint)
+    examined(subject, registry, Thorough::AnyJoint, None)
 }
 
-/// As [`examine`] for a setup on which a model was calibrated: `poor` if that explains little of a joint.
+/// As [`examine`] for a setup on which a model was calibrated, with what that hardly explains.
 ///
 /// # Errors
 /// As [`examine`].
 pub fn examine_calibrated(
     subject: &Subject,
-    poor: bool,
+    poor: &[Poor],
     registry: &Registry,
 ) -> Result<Examination, Failure> {
-    let thorough = if poor { Thorough::Always } else { Thorough::AllJoints };
-    examined(subject, registry, thorough)
+    let thorough = if poor.is_empty() { Thorough::AllJoints } else { Thorough::Always };
+    examined(subject, registry, thorough, Some(poor))
 }
 
-fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Result<Examination, Failure> {
+fn examined(
+    subject: &Subject,
+    registry: &Registry,
+    thorough: Thorough,
+    calibrated: Option<&[Poor]>,
+) -> Result<Examination, Failure> {
     let mut arm_terms = subject.arm_terms.clone();
     for term in often_left_out(registry)? {
         if arm_terms.iter().all(|there| there.name() != term.name()) {
@@ -114,7 +124,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         compares: false,
         separate: false,
     };
-    let [brief, whole] = [Setup::of(subject, true)?, Setup::of(subject, false)?];
+    let [brief, whole] = [Setup::of(subject, Extent::Brief)?, Setup::of(subject, Extent::Beginnings)?];
     let mut found = search(subject, &bench, [&brief, &whole], thorough);
     let mut has_open_gravity = false;
     // What `run` calibrates is not compared with other robots, as other setups are not.
@@ -130,6 +140,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
             Some(GravitySign::Confirmed) | None => {}
         }
     }
+    let poor = search_recordings(subject, &bench, &brief, &mut found, calibrated)?;
     let own = Bench { arm_terms: subject.arm_terms.clone(), ..bench };
     Ok(Examination {
         written: own.score(&own.modelled(&brief)),
@@ -139,6 +150,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         steps: found.steps,
         trials: found.trials,
         compared: found.compared,
+        poor,
         compares_robots: subject.compares_robots(),
         has_open_gravity,
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
@@ -162,6 +174,18 @@ impl Examination {
             .zip(before)
             .map(|(step, before)| wording::sentence(step, before, &self.files, self.names()))
             .collect()
+    }
+
+    /// The joints that are hardly explained in recordings, as a sentence.
+    #[must_use]
+    pub fn unexplained(&self) -> Option<String> {
+        let each: Vec<String> = self.poor.iter().map(|p| p.share(self.names())).collect();
+        (!each.is_empty()).then(|| {
+            format!(
+                "Rigid bodies with plain friction, fitted to all recordings, explain {}.",
+                each.join(", ")
+            )
+        })
     }
 
     /// What undoes each mistake, as orders.
@@ -203,7 +227,8 @@ impl Examination {
         let mut text = format!("\n{}\n", style.emphasise(emphasis, "robot and recordings together"));
         text.push_str(&wrapped(&self.summary()));
         text.extend(sentences.iter().map(|s| wrapped(s)));
-        if sentences.is_empty() {
+        text.extend(self.unexplained().iter().map(|s| wrapped(s)));
+        if sentences.is_empty() && (self.poor.is_empty() || self.hardly().is_some()) {
             text.push_str(&wrapped(&self.hardly().unwrap_or_else(|| self.nothing().into())));
         }
         text.extend(self.remarks().iter().map(|remark| wrapped(remark)));
@@ -220,6 +245,7 @@ impl Examination {
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
             "doubt": self.hardly(),
+            "unexplained": self.unexplained(),
             "remarks": self.remarks(),
             "compared": self.compared.iter().map(|c| json!({
                 "change": wording::undone(&c.mistake, self.names()),
@@ -257,7 +283,7 @@ impl Examination {
     #[must_use]
     pub fn is_serious(&self) -> bool {
         let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
-        !self.steps.is_empty() || fed
+        !self.steps.is_empty() || !self.poor.is_empty() || fed
     }
 
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.

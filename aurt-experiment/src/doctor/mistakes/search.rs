@@ -32,15 +32,15 @@ const LEAST_STEP: f64 = 0.03;
 const MOST: usize = 4;
 
 #[derive(Clone)]
-struct Tried {
+pub(super) struct Tried {
     mistakes: Vec<Mistake>,
     setup: Setup,
-    score: Score,
+    pub(super) score: Score,
     alike: Vec<Mistake>,
 }
 
 impl Tried {
-    fn last(&self) -> Option<&Mistake> {
+    pub(super) fn last(&self) -> Option<&Mistake> {
         self.mistakes.last()
     }
 
@@ -64,12 +64,12 @@ enum Tested {
     Open,
 }
 
-struct Search<'a> {
-    subject: &'a Subject,
-    bench: &'a Bench,
-    whole: &'a Setup,
-    trials: usize,
-    compared: Vec<Compared>,
+pub(super) struct Search<'a> {
+    pub(super) subject: &'a Subject,
+    pub(super) bench: &'a Bench,
+    pub(super) whole: &'a Setup,
+    pub(super) trials: usize,
+    pub(super) compared: Vec<Compared>,
 }
 
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
@@ -121,7 +121,7 @@ pub fn search(subject: &Subject, bench: &Bench, [setup, whole]: [&Setup; 2], tho
                 bench.score(&setup).unwrap_or_else(|| best.score.clone())
             };
             let alike = if k == last { best.alike.clone() } else { Vec::new() };
-            found.steps.push(Step { likelier: None, mistake, after, alike });
+            found.steps.push(Step { likelier: None, own: None, mistake, after, alike });
         }
         now = setup;
         score = Some(best.score);
@@ -171,7 +171,7 @@ impl Search<'_> {
         }
         let (_, mistake) = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let after = bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: None, mistake, after, alike: Vec::new() })
+        Some(Step { likelier: None, own: None, mistake, after, alike: Vec::new() })
     }
 
     /// Another robot or gravity, told by how much likelier it makes every recording.
@@ -198,6 +198,7 @@ impl Search<'_> {
         let joints = after.joints.iter().flatten().count().max(1) as f64;
         Some(Step {
             likelier: Some((-most.evidence.gain / joints).exp()),
+            own: None,
             mistake,
             after,
             alike: near.split_off(1),
@@ -206,7 +207,7 @@ impl Search<'_> {
 
     /// The first of those that are nearly the likeliest, if it is told, with the rest of these. What stretches of recordings refute
     /// is left out; what they neither refute nor confirm leaves nothing to be told.
-    fn told(&mut self, now: &Setup, before: Option<&Score>, tried: &[Tried]) -> Option<Tried> {
+    pub(super) fn told(&mut self, now: &Setup, before: Option<&Score>, tried: &[Tried]) -> Option<Tried> {
         let error = before.map_or(WORST, |b| b.total);
         let enough = |t: &&Tried| Evidence::of([(before, &t.score)]).filter(Evidence::is_enough);
         let mut open: Vec<(Evidence, &Tried)> =
@@ -289,6 +290,10 @@ impl Search<'_> {
     /// friction does in all of them, like a delay, is none of one.
     fn is_alone(&self, bench: &Bench, now: &Setup, mistake: &Mistake) -> bool {
         let Mistake::Reading { what, file: Some(own) } = mistake else { return true };
+        // Another recording has no such stretch.
+        if matches!(what, Reading::During { .. }) {
+            return true;
+        }
         let others = now.files().into_iter().filter(|file| file != own).map(|file| {
             let as_well = Mistake::Reading { what: what.clone(), file: Some(file) };
             within(bench, self.whole, [now, &as_well.undone(now)], Some(file))
@@ -408,7 +413,7 @@ impl Search<'_> {
         self.tried(setup, mistakes, before, |other| bench.score(other))
     }
 
-    fn tried(
+    pub(super) fn tried(
         &mut self,
         setup: &Setup,
         mistakes: &[Mistake],
@@ -468,6 +473,6 @@ impl Search<'_> {
 }
 
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
-fn is_explained(error: f64) -> bool {
+pub(super) fn is_explained(error: f64) -> bool {
     1.0 - error * error >= LEAST_EXPLAINED
 }

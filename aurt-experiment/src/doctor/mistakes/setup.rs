@@ -29,7 +29,7 @@ const FITTED_SHARE: f64 = 0.7;
 /// Stretches of a recording that are predicted from each other.
 const STRETCHES: usize = 3;
 /// Of the speed of a recording, what counts as rest.
-const SLOW_SHARE: f64 = 0.1;
+pub(super) const SLOW_SHARE: f64 = 0.1;
 /// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
 /// f_dyn of a trial, at most, Hz.
@@ -184,6 +184,17 @@ pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> 
         .collect()
 }
 
+/// How much of recordings is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// The beginnings, as many samples of all recordings of a role as of one: for many trials.
+    Brief,
+    /// The beginning of each recording: for tests.
+    Beginnings,
+    /// Whole recordings.
+    Whole,
+}
+
 /// What one trial fits and judges.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -217,6 +228,8 @@ pub struct Part {
     /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
     /// the recording as it is, so that the same rows count whatever the units of angles and stamps.
     pub slow_rad_s: f64,
+    /// The first stamp of the recording, s.
+    pub origin_s: f64,
     prepared: OnceLock<Option<Arc<NamedRecording>>>,
 }
 
@@ -241,18 +254,18 @@ impl Part {
             recording,
             options,
             slow_rad_s: self.slow_rad_s,
+            origin_s: self.origin_s,
             prepared: OnceLock::new(),
         }
     }
 }
 
 impl Setup {
-    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does. Those of one
-    /// role have so many samples together if it is `brief`, each so many otherwise.
+    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does.
     ///
     /// # Errors
     /// If a window holds no samples.
-    pub fn of(subject: &Subject, brief: bool) -> Result<Self, Failure> {
+    pub fn of(subject: &Subject, extent: Extent) -> Result<Self, Failure> {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
         let pipeline = Pipeline {
@@ -266,7 +279,11 @@ impl Setup {
         for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
             let whole = window(&assigned.loaded)?;
             let options = pipeline.options(whole.unit, Purpose::Calibration);
-            let most = if brief { MOST_SAMPLES / counted(assigned.role).max(1) } else { MOST_SAMPLES };
+            let most = match extent {
+                Extent::Brief => MOST_SAMPLES / counted(assigned.role).max(1),
+                Extent::Beginnings => MOST_SAMPLES,
+                Extent::Whole => usize::MAX,
+            };
             let thin = Thin::new(&whole, &options, most);
             let recording = thin.recording(&whole);
             let options = thin.options(&options);
@@ -274,6 +291,7 @@ impl Setup {
                 Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
             });
             let label = assigned.loaded.source.label.clone();
+            let origin_s = assigned.loaded.recording.time_s.first().copied().unwrap_or_default();
             let speeds = speeds_rad_s(&recording);
             let squares: f64 = speeds.iter().flatten().map(|v| v * v).sum();
             let count = speeds.iter().map(Vec::len).sum::<usize>().max(1);
@@ -285,6 +303,7 @@ impl Setup {
                 recording: Arc::new(cut(&recording, range)),
                 options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
                 slow_rad_s,
+                origin_s,
                 prepared: OnceLock::new(),
             };
             let samples = recording.samples();

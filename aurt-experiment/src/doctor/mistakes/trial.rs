@@ -48,6 +48,15 @@ pub struct Fit {
     fed: Vec<bool>,
 }
 
+/// Errors of a fit over a recording.
+#[derive(Debug, Clone, Default)]
+pub struct FittedRows {
+    /// When each row is, s from the first stamp of the recording.
+    pub time_s: Vec<f64>,
+    /// Of each joint and row the error and the measurement; nothing for a row that does not count.
+    pub joints: Vec<Vec<Option<[f64; 2]>>>,
+}
+
 /// How well a setup explains what was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Score {
@@ -192,6 +201,19 @@ impl Bench {
         let joints: Vec<Option<f64>> = (0..joints).map(|j| ratio(sum(j, 0), sum(j, 1))).collect();
         let total = total(&joints, fed);
         total.is_finite().then_some(Score { joints, moving, fed: fed.clone(), total, parts })
+    }
+
+    /// Errors and measurements of a part under a fit of all joints together, row by row.
+    pub fn rows(&self, part: &Part, fit: &Fit) -> Option<FittedRows> {
+        let prepared = part.prepared()?;
+        let joints =
+            self.judged(&fit.model, &prepared, part.slow_rad_s, &fit.load, fit.coefficients.first()?)?;
+        let segments = prepared.data.segments.iter().filter(|s| s.measurement.is_some());
+        let stamps = |s: &aurt_recording::Segment| -> Vec<f64> {
+            let motion = s.motion.view();
+            (0..s.rows()).map(|row| motion.time_s()[s.sample(row)] - part.origin_s).collect()
+        };
+        Some(FittedRows { time_s: segments.flat_map(stamps).collect(), joints })
     }
 
     /// The held-out error and the measurement of each joint and row.

@@ -16,7 +16,7 @@ impl Mistake {
             Self::Gravity { to_m_s2 } => {
                 Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() }
             }
-            Self::Geometry { what: Table::Zero { joint, offset_rad }, .. } => {
+            Self::Geometry { what: Table::Zero { joint, offset_rad, .. }, .. } => {
                 let mut joints = setup.joints.clone();
                 joints[*joint].theta_offset_rad += offset_rad;
                 Setup { joints, model: OnceLock::new(), ..setup.clone() }
@@ -80,9 +80,25 @@ impl Reading {
                 options.f_dyn_hz /= factor;
                 options.rest_velocity_rad_s /= factor;
             }
+            Self::During { what, span_s } => {
+                let other = what.undone(part).recording;
+                let [from_s, to_s] = *span_s;
+                for (row, stamp) in part.recording.time_s.iter().enumerate() {
+                    let at_s = stamp - part.origin_s;
+                    if from_s.is_none_or(|from| at_s >= from) && to_s.is_none_or(|to| at_s < to) {
+                        put(&mut recording.position_rad, &other.position_rad, row);
+                        if let (Some(to), Some(from)) = (&mut recording.measurement, &other.measurement) {
+                            put(to, from, row);
+                        }
+                    }
+                }
+            }
         }
         let mut part = part.with(Arc::new(recording), options);
         part.slow_rad_s *= self.speed();
+        if let Self::Time(factor) = self {
+            part.origin_s *= factor;
+        }
         part
     }
 
@@ -95,6 +111,11 @@ impl Reading {
             _ => 1.0,
         }
     }
+}
+
+/// Takes a row from the same series elsewhere.
+fn put(to: &mut [Vec<f64>], from: &[Vec<f64>], row: usize) {
+    to.iter_mut().zip(from).for_each(|(to, from)| to[row] = from[row]);
 }
 
 fn measured(recording: &mut Recording, joint: usize, factor: f64) {

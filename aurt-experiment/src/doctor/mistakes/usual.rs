@@ -33,7 +33,7 @@ pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
     mistakes.extend(readings.into_iter().map(|what| Mistake::Reading { what, file: None }));
     // The zero of a joint that others follow is theirs too.
     if setup.couplings.is_empty() {
-        mistakes.extend(zeros(&setup.joints));
+        mistakes.extend(zeros(&setup.joints, subject.table.is_some()));
     }
     mistakes
 }
@@ -64,7 +64,8 @@ pub fn is_likely(mistake: &Mistake) -> bool {
             | Reading::Delay(_)
             | Reading::Time(_)
             | Reading::Gain { .. }
-            | Reading::Constants { .. } => false,
+            | Reading::Constants { .. }
+            | Reading::During { .. } => false,
         },
     }
 }
@@ -141,12 +142,12 @@ fn tables(subject: &Subject, now: &[Joint]) -> Vec<Mistake> {
     tables.into_iter().map(|(what, joints)| Mistake::Geometry { what, joints }).collect()
 }
 
-fn zeros(joints: &[Joint]) -> Vec<Mistake> {
+fn zeros(joints: &[Joint], in_table: bool) -> Vec<Mistake> {
     let turning = (0..joints.len()).filter(|j| joints[*j].kind == JointKind::Revolute);
     let offsets = turning.flat_map(|joint| [FRAC_PI_2, -FRAC_PI_2, PI].map(|offset_rad| (joint, offset_rad)));
     offsets
         .map(|(joint, offset_rad)| Mistake::Geometry {
-            what: Table::Zero { joint, offset_rad },
+            what: Table::Zero { joint, offset_rad, in_table },
             joints: Vec::new(),
         })
         .collect()

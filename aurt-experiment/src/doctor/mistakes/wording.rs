@@ -38,6 +38,10 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: Ro
         let less = 100.0 * (1.0 - factor);
         format!("where joints move, recordings are predicted from each other with an error that is {less:.0} % smaller")
     });
+    let error = step.own.map_or(error, |own| {
+        let [before, after] = own.map(percent);
+        format!("of this recording, error {before} → {after}")
+    });
     let mut alike: Vec<String> = step.alike.iter().take(TOLD).map(|other| undone(other, names)).collect();
     if step.alike.len() > TOLD {
         alike.push(format!("{} more", step.alike.len() - TOLD));
@@ -86,7 +90,7 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
             Table::Exchanged => "The columns a and d of the table seem to be exchanged".into(),
             Table::Mirrored => "The column alpha of the table seems to have the other sign".into(),
             Table::Known(name) => format!("The robot seems to be a {name}"),
-            Table::Zero { joint, offset_rad } => {
+            Table::Zero { joint, offset_rad, .. } => {
                 format!(
                     "The zero of {} seems to lie {:.0}° off",
                     names.joint(*joint),
@@ -95,7 +99,13 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
             }
         },
         Mistake::Reading { what, file } => {
-            let of = file.and_then(|f| files.get(f)).map_or_else(String::new, |name| format!(" in {name}"));
+            let (what, span_s) = match what {
+                Reading::During { what, span_s } => (&**what, *span_s),
+                what => (what, [None, None]),
+            };
+            let mut of =
+                file.and_then(|f| files.get(f)).map_or_else(String::new, |name| format!(" in {name}"));
+            of.push_str(&stretch(span_s));
             match what {
                 Reading::Degrees => format!("Positions{of} seem to be in degrees"),
                 Reading::Turns => format!("Positions{of} seem to be in turns"),
@@ -140,6 +150,7 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
                 Reading::Constants { joints, .. } => {
                     format!("The torque constants of {} seem to be exchanged", names.joint_list(joints))
                 }
+                Reading::During { .. } => format!("Measurements{of} seem to be others"),
             }
         }
     }
@@ -159,10 +170,17 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
             Table::Exchanged => "exchange the names of the columns a and d in the header of the table".into(),
             Table::Mirrored => "turn the signs of the column alpha of the table".into(),
             Table::Known(name) => format!("change `name` to \"{name}\""),
-            Table::Zero { joint, offset_rad } => {
-                format!("add {:.4} rad to the column theta of row {joint} of the table", offset_rad)
+            Table::Zero { joint, offset_rad, in_table: true } => {
+                format!("add {offset_rad:.4} rad to the column theta of row {joint} of the table")
             }
+            Table::Zero { joint, offset_rad, in_table: false } => format!(
+                "turn the `origin` of {} by {offset_rad:.4} rad about its axis in the robot's description, or add this to its position",
+                names.joint(*joint)
+            ),
         },
+        Mistake::Reading { what: Reading::During { span_s, .. }, .. } => {
+            format!("correct the recording{}, or leave the stretch out with `window_s`", stretch(*span_s))
+        }
         Mistake::Reading { what, .. } => match what {
             Reading::Degrees => "write `angle = \"deg\"` in `[recordings]`".into(),
             Reading::Turns => "write `counts_per_revolution = 1` in `[recordings]`".into(),
@@ -171,7 +189,8 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
             }
             Reading::PositionSign(joint) => {
                 format!(
-                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or `sign` -1 in its row of an MDH table",
+                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or turn its axis round in the robot's description (`sign` -1 in an \
+                     MDH table, `axis` in a URDF file)",
                     names.joint(*joint)
                 )
             }
@@ -208,6 +227,9 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
                 let joints = names.joint_list(joints);
                 format!("exchange the torque constants of {joints} in `torque_constants_nm_per_a`")
             }
+            Reading::During { what, .. } => {
+                undone(&Mistake::Reading { what: (**what).clone(), file: None }, names)
+            }
         },
     }
 }
@@ -234,6 +256,16 @@ fn permutation(order: &[usize], names: RobotNames<'_>) -> String {
             let in_file = (0..joints).filter_map(|place| order.iter().position(|p| *p == place));
             names.joint_list(&in_file.collect::<Vec<_>>())
         }
+    }
+}
+
+/// ` from 15.0 s on`, ` up to 15.0 s`, ` from 15.0 s to 22.5 s` after the first stamp.
+fn stretch(span_s: [Option<f64>; 2]) -> String {
+    match span_s {
+        [Some(from), Some(to)] => format!(" from {from:.1} s to {to:.1} s after its first stamp"),
+        [Some(from), None] => format!(" from {from:.1} s after its first stamp on"),
+        [None, Some(to)] => format!(" up to {to:.1} s after its first stamp"),
+        [None, None] => String::new(),
     }
 }
 

@@ -9,17 +9,20 @@ use aurt_calibration::{
     with_deviation,
 };
 use aurt_diagnosis::drives::{Missed, compare};
-use aurt_traits::CommandSignal;
+use aurt_traits::{CommandSignal, RobotNames};
 use serde_json::json;
 
 use super::{
-    DriveOutcome, arm_of, doubts::rows_per_command, doubts_of, of_drive, options_of, read_all, warnings,
-    without_drive,
+    DriveOutcome, Judged, Read, arm_of,
+    doubts::{of_rollouts, rows_per_command},
+    doubts_of,
+    gravity::upside_down,
+    of_drive, options_of, read_all, warnings, without_drive,
 };
 use crate::workbench::failure::Failure;
 
 /// Largest probability at which one signal is said to be that of the recordings.
-const LEVEL: f64 = 0.01;
+pub(super) const LEVEL: f64 = 0.01;
 const SIGNALS: [(CommandSignal, &str); 2] =
     [(CommandSignal::Hold, "hold"), (CommandSignal::Linear, "linear")];
 
@@ -65,6 +68,8 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
             p[0].min(p[1])
         ));
     }
+    let nearer = if linear.2.rms_all_rad() < hold.2.rms_all_rad() { linear } else { hold };
+    doubts.extend(of_fit(&nearer.1, experiment, &recordings, &all)?);
     let stairs = recordings.iter().filter_map(|r| rows_per_command(&r.recording)).fold(f64::NAN, f64::max);
     let mut text = format!(
         "{} recordings of commands and positions\n\nthe command between two rows\n",
@@ -114,6 +119,24 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
     });
     let findings = !doubts.is_empty();
     Ok(DriveOutcome { text: text + &warnings(&doubts), json, files: Vec::new(), findings })
+}
+
+/// What speaks against the drives that were estimated: rollouts that explain little, gravity.
+fn of_fit(
+    fit: &OutputErrorFit,
+    experiment: &Experiment,
+    recordings: &[Read],
+    all: &[DriveRecording],
+) -> Result<Vec<String>, Failure> {
+    let options = options_of(experiment);
+    let failed = |error| of_drive(&error, experiment, recordings);
+    let judge =
+        |read: &Read| Ok(Judged::of(&fit.arm, read, &fit.arm.rollout(&read.recording).map_err(failed)?));
+    let judged = recordings.iter().map(judge).collect::<Result<Vec<_>, Failure>>()?;
+    let joints = experiment.robot.robot_joints();
+    let mut doubts = of_rollouts(&judged, options.deviation_rad, RobotNames::of_joints(&joints.names));
+    doubts.extend(upside_down(&fit.arm, all, &options).map_err(failed)?);
+    Ok(doubts)
 }
 
 /// The selection with a delay, without which commands that hold stand for one.

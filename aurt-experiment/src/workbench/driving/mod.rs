@@ -27,6 +27,7 @@ mod diagnosing;
 mod doubts;
 mod exporting;
 mod fits;
+mod gravity;
 mod isaac;
 mod rival;
 mod second_opinion;
@@ -175,6 +176,9 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
     let mut doubts = doubts_of(&recordings);
     doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad, model.names()));
+    let all: Vec<DriveRecording> = recordings.iter().map(|r| r.recording.clone()).collect();
+    let turned = gravity::upside_down(&fit.arm, &all, &options_of(experiment));
+    doubts.extend(turned.map_err(|error| of_drive(&error, experiment, &recordings))?);
     outcome.findings = !doubts.is_empty();
     outcome.text = text(&fit, &judged, &notes, model.names()) + &warnings(&doubts);
     outcome.json = to_json(&fit, &judged, &notes);
