@@ -26,6 +26,7 @@ mod matrix;
 mod memory;
 mod model_schema;
 mod names;
+mod next;
 mod outputs;
 mod plugins;
 mod programs;

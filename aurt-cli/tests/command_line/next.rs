@@ -1,0 +1,103 @@
+//! `aurt next`: a motion that decides what a diagnosis leaves open.
+
+use serde_json::Value;
+
+use crate::support::{Folder, real_recordings};
+
+/// Smallest and largest value of each joint's positions in a table with a header.
+fn ranges(text: &str, prefix: &str) -> Vec<[f64; 2]> {
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let places: Vec<usize> = (0..6)
+        .map(|joint| header.iter().position(|name| *name == format!("{prefix}{joint}")).unwrap())
+        .collect();
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; places.len()];
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        for (range, place) in ranges.iter_mut().zip(&places) {
+            let value: f64 = cells[*place].parse().unwrap();
+            *range = [range[0].min(value), range[1].max(value)];
+        }
+    }
+    ranges
+}
+
+#[test]
+fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
+    let folder = Folder::new().with_whole_demo();
+    let toml = folder.read("experiment.toml");
+    // The demo's arm under an experiment without rotors.
+    let lacking: String = toml.split("[[arm_terms]]").enumerate().fold(String::new(), |text, (k, part)| {
+        text + if k == 0 { part } else { part.find("\n[").map_or("", |end| &part[end..]) }
+    });
+    folder.write("lacking.toml", &lacking);
+    let line =
+        "next lacking.toml --until inertia_kg_m2<0.001 --duration-s 16 --tries 16 --json --out motion.csv";
+    let run = folder.aurt(line.split(' ')).succeeded();
+    let plan: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let motion = &plan["motion"];
+    assert!(motion["duration_s"].as_f64().unwrap() <= 16.0 + 1e-9, "{motion}");
+    let of_rotors =
+        plan["intervals"].as_array().unwrap().iter().filter(|i| i["subject"]["effect"] == "rotor_inertia");
+    let [mut counted, mut narrowed] = [0, 0];
+    for interval in of_rotors {
+        let [now, after] = ["std_now", "std_after"].map(|key| interval[key].as_f64().unwrap());
+        assert!(after > 0.0 && after <= now * 1.000_001, "{interval}");
+        counted += 1;
+        narrowed += usize::from(after < 0.95 * now);
+    }
+    assert!(counted > 0 && narrowed > 0, "{plan}");
+    for doubt in plan["open"].as_array().unwrap() {
+        for way in ["planned", "recorded_again", "multi_sine"] {
+            let settled = doubt[way]["settled"].as_f64().unwrap();
+            assert!((0.0..=1.0).contains(&settled), "{doubt}");
+        }
+    }
+    let been = ranges(&folder.read("exciting_motion.csv"), "actual_q_");
+    let other = ranges(&folder.read("other_motion.csv"), "actual_q_");
+    let third = ranges(&folder.read("point_to_point.csv"), "actual_q_");
+    for (joint, planned) in ranges(&folder.read("motion.csv"), "q_").iter().enumerate() {
+        let seen = [&been, &other, &third].map(|all| all[joint]);
+        let low = seen.iter().fold(f64::INFINITY, |low, range| low.min(range[0]));
+        let high = seen.iter().fold(f64::NEG_INFINITY, |high, range| high.max(range[1]));
+        assert!(
+            planned[0] > low - 2e-3 && planned[1] < high + 2e-3,
+            "{joint}: {planned:?} in {low} to {high}"
+        );
+    }
+    // The plan is a motion that a scenario follows.
+    let scenario = "robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"motion.csv\"\n";
+    folder.write("scenario.toml", scenario);
+    folder.aurt("simulate --scenario scenario.toml --out recorded.csv".split(' ')).succeeded();
+}
+
+#[test]
+fn plans_that_cannot_be_are_refused() {
+    let folder = Folder::new().with_whole_demo();
+    let refused = |more: &str, words: &[&str]| {
+        folder.aurt(format!("next experiment.toml {more}").split(' ')).refused(words);
+    };
+    refused("--out motion.xyz", &["--out", ".csv, .yaml or .script"]);
+    refused("--out motion.csv --duration-s 1e9", &["--duration-s", "5 to 600"]);
+    refused("--out motion.csv --tries 0", &["--tries", "1 to 1000"]);
+    refused("--out motion.csv --without nothing", &["--without", "nothing"]);
+    refused("--out motion.csv --until mas_kg<1", &["mas_kg", "aurt explain"]);
+    refused("--out motion.csv --until mass_kg<-1", &["-1", "positive"]);
+    refused("--out exciting_motion.csv", &["exciting_motion.csv"]);
+    assert!(!folder.names().iter().any(|name| name.starts_with("motion")));
+}
+
+/// Of the UR10e's joint 1 two laws are left, and the pose decides.
+#[test]
+fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
+    let Some(_) = real_recordings("next of the UR10e") else { return };
+    let folder = Folder::new();
+    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_structure.toml");
+    let run = folder.aurt(["next", experiment, "--json", "--out", "motion.script"]).succeeded();
+    let plan: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let open = plan["open"].as_array().unwrap();
+    let settled =
+        |way: &str| open.iter().map(|doubt| doubt[way]["settled"].as_f64().unwrap()).fold(1.0, f64::min);
+    assert!(!open.is_empty() && settled("planned") > 0.9, "{open:?}");
+    assert!(folder.read("motion.script").starts_with("def aurt_motion():"));
+}
