@@ -30,6 +30,15 @@ pub struct Poor {
     pub recording: String,
     /// From when to when, s from the first stamp; all of the recording without.
     pub span_s: Option<[f64; 2]>,
+    /// Share of the recording's rows.
+    pub rows: f64,
+}
+
+impl Poor {
+    /// Whether so many rows say enough by themselves. Shorter stretches are told with the mistake that they have.
+    pub(super) fn says_enough(&self) -> bool {
+        self.rows >= LEAST_ROWS
+    }
 }
 
 /// The joints that a model hardly explains in a recording or in a stretch of one, whatever it was used for: a mistake in a
@@ -45,10 +54,10 @@ pub fn poorly_explained(recordings: &[RecordingResult]) -> Vec<Poor> {
             // A few rows say little.
             let says_enough = *samples as f64 >= LEAST_ROWS * result.validation.samples as f64;
             let explained = 1.0 - error * error;
-            let whole = (says_enough && explained < LEAST_EXPLAINED).then_some((explained, None));
-            let (explained, span_s) = whole.or_else(|| rows.hardly_explained(joint))?;
+            let whole = (says_enough && explained < LEAST_EXPLAINED).then_some((explained, None, 1.0));
+            let (explained, span_s, rows) = whole.or_else(|| rows.hardly_explained(joint))?;
             let recording = result.label.clone();
-            Some(Poor { joint, explained: explained.max(0.0), file, recording, span_s })
+            Some(Poor { joint, explained: explained.max(0.0), file, recording, span_s, rows })
         };
         joints.filter_map(of_joint).collect::<Vec<_>>()
     };
@@ -72,9 +81,9 @@ fn rows_of(result: &RecordingResult) -> FittedRows {
 }
 
 impl FittedRows {
-    /// What is explained of a joint, with the stretch if it is not the recording, where that is less than half. A stretch in
-    /// which little is measured has to be missed by as much as others.
-    pub(super) fn hardly_explained(&self, joint: usize) -> Option<(f64, Option<[f64; 2]>)> {
+    /// What is explained of a joint, with the stretch if it is not the recording, and its share of the rows, where that is less
+    /// than half. A stretch in which little is measured has to be missed by as much as others.
+    pub(super) fn hardly_explained(&self, joint: usize) -> Option<(f64, Option<[f64; 2]>, f64)> {
         let rows = self.joints.get(joint)?;
         let share = |range: Range<usize>| rows[range].iter().flatten().count() as f64 / rows.len() as f64;
         let explained = |range: Range<usize>| {
@@ -87,7 +96,7 @@ impl FittedRows {
             return None;
         }
         if whole < LEAST_EXPLAINED {
-            return Some((whole.max(0.0), None));
+            return Some((whole.max(0.0), None, 1.0));
         }
         let measured = rows.iter().flatten();
         let all = measured.clone().map(|row| row[1].powi(2)).sum::<f64>();
@@ -96,11 +105,12 @@ impl FittedRows {
             row.map_or(0.0, |[e, y]| e * e - (1.0 - LEAST_EXPLAINED) * usual.max(y * y))
         };
         let (range, most) = heaviest(rows.iter().map(missed))?;
-        if share(range.clone()) < LEAST_STRETCH || most < LEAST_MISSED * all {
+        let rows = share(range.clone());
+        if rows < LEAST_STRETCH || most < LEAST_MISSED * all {
             return None;
         }
         let span_s = [self.time_s[range.start], self.time_s[range.end - 1]];
-        Some((explained(range).max(0.0), Some(span_s)))
+        Some((explained(range).max(0.0), Some(span_s), rows))
     }
 }
 
@@ -125,7 +135,7 @@ pub(super) fn heaviest(weights: impl IntoIterator<Item = f64>) -> Option<(Range<
 #[must_use]
 pub fn loudly(poor: &[Poor], recordings: &[RecordingResult], names: RobotNames<'_>) -> Option<String> {
     let is_fitted = |p: &Poor| recordings.get(p.file).is_some_and(|r| r.role == Role::Calibration);
-    let mut worst: Vec<&Poor> = poor.iter().collect();
+    let mut worst: Vec<&Poor> = poor.iter().filter(|p| p.says_enough()).collect();
     worst.sort_by(|a, b| {
         (a.joint, is_fitted(a)).cmp(&(b.joint, is_fitted(b))).then(a.explained.total_cmp(&b.explained))
     });
@@ -176,11 +186,12 @@ mod tests {
     #[test]
     fn a_recording_and_a_stretch_of_it_are_told_apart() {
         assert_eq!(rows(0..0).hardly_explained(0), None);
-        assert_eq!(rows(0..600).hardly_explained(0), Some((0.0, None)));
-        let Some((explained, Some([from_s, to_s]))) = rows(520..580).hardly_explained(0) else {
+        assert_eq!(rows(0..600).hardly_explained(0), Some((0.0, None, 1.0)));
+        let Some((explained, Some([from_s, to_s]), share)) = rows(520..580).hardly_explained(0) else {
             panic!("no stretch")
         };
         assert_eq!(explained, 0.0);
+        assert!(share < LEAST_ROWS, "{share}");
         // Where the sine passes zero, little is missed.
         assert!((26.0..26.5).contains(&from_s) && (28.2..29.0).contains(&to_s), "{from_s} {to_s}");
         // A single row is a spike.

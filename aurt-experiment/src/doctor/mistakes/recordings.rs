@@ -56,7 +56,9 @@ pub fn search_recordings(
         found.steps.extend(steps);
         found.after = bench.score(&undone(brief, &found.steps)).or(found.after.take());
     }
-    Ok(if calibrated.is_some() { Vec::new() } else { left })
+    // After a calibration the sentence on the calibrated model says it.
+    let left = if calibrated.is_some() { Vec::new() } else { left };
+    Ok(left.into_iter().filter(Poor::says_enough).collect())
 }
 
 /// The joints that rigid bodies with plain friction, fitted to all recordings for calibration, hardly explain in a recording or in a
@@ -71,8 +73,8 @@ pub fn hardly_explained(subject: &Subject, bench: &Bench, whole: &Setup) -> Vec<
         let rows = rows_of(bench, &setup, &fit, *file);
         let recording = &subject.recordings[*file].loaded.source.label;
         let poor = |joint: usize| {
-            let (explained, span_s) = rows.as_ref()?.hardly_explained(joint)?;
-            Some(Poor { joint, explained, file: *file, recording: recording.clone(), span_s })
+            let (explained, span_s, rows) = rows.as_ref()?.hardly_explained(joint)?;
+            Some(Poor { joint, explained, file: *file, recording: recording.clone(), span_s, rows })
         };
         (0..setup.moving_joints()).filter_map(poor).collect::<Vec<_>>()
     };
