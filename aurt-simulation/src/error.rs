@@ -21,7 +21,7 @@ pub enum SimulationError {
     },
     /// A motion cannot be read.
     #[error(transparent)]
-    Recording(#[from] aurt_recording::RecordingError),
+    Recording(Box<aurt_recording::RecordingError>),
     /// A joint or link that the robot does not have.
     #[error("{what} names {part} {index}, but {robot} has {available} (they count from 0)")]
     NoSuchPart {
@@ -305,5 +305,11 @@ impl Complaints {
 impl From<aurt_files::output::WriteError> for SimulationError {
     fn from(error: aurt_files::output::WriteError) -> Self {
         Self::Io { path: error.path, source: error.source }
+    }
+}
+
+impl From<aurt_recording::RecordingError> for SimulationError {
+    fn from(error: aurt_recording::RecordingError) -> Self {
+        Self::Recording(Box::new(error))
     }
 }
