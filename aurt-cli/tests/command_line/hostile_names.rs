@@ -23,7 +23,7 @@ const TOML_RECORDING: &str = r#""DAYday\u001b[8m\u202e\u009b2J.mcap""#;
 const MODEL: &str = "results/rd_calibrated.json";
 
 /// Command lines that end with a result; MON and TUES are recordings, JOINTS names.
-const LINES: [&str; 31] = [
+const LINES: [&str; 32] = [
     "check experiment.toml",
     "check MON --mdh mdh.csv --gravity 0 -9.81 0 --joint-names JOINTS --unit A",
     "run experiment.toml --out results",
@@ -37,6 +37,7 @@ const LINES: [&str; 31] = [
     "simulate --model MODEL --motion TUES --unit A --out moved.csv",
     "track experiment.toml --model MODEL TUES --window-s 2 --out track",
     "diagnose experiment.toml --out diagnosis",
+    "next experiment.toml --tries 8 --duration-s 10 --out next.csv",
     "gains experiment.toml --expect --out gains",
     "sensitivity experiment.toml --effects stribeck --joints 0 --out sensitivity",
     "sweep run sweep.toml --out sweep",

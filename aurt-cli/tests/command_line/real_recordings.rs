@@ -146,16 +146,19 @@ fn a_headerless_log_is_read_by_column_numbers() {
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/ur10e.toml")).unwrap();
     let begin = toml.find("[recordings]").unwrap();
     let end = toml.find("[preprocess]").unwrap();
-    let recordings = format!(
-        "[recordings]\ncalibration = ['{data}/ur10e/unloaded_50s.csv']\n\
-         validation = ['{data}/ur10e/excitation_20s.csv', {{ file = '{data}/ur10e/as_recorded_headerless.csv', \
-         unit = 'A', columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }} }}]\n"
-    );
-    folder.write("experiment.toml", &format!("{}{recordings}{}", &toml[..begin], &toml[end..]));
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
-    let metrics = folder.json("out/metrics.json");
-    let named = numbers(&metrics["recordings"][1]["nrmse"]);
-    let headerless = numbers(&metrics["recordings"][2]["nrmse"]);
+    let validated = |name: &str, recording: &str| {
+        let recordings = format!(
+            "[recordings]\ncalibration = ['{data}/ur10e/unloaded_50s.csv']\nvalidation = [{recording}]\n"
+        );
+        let experiment = format!("{name}.toml");
+        folder.write(&experiment, &format!("{}{recordings}{}", &toml[..begin], &toml[end..]));
+        folder.aurt(["run", &experiment, "--out", name]).succeeded();
+        numbers(&folder.json(&format!("{name}/metrics.json"))["recordings"][1]["nrmse"])
+    };
+    let named = validated("named", &format!("'{data}/ur10e/excitation_20s.csv'"));
+    let columns = "columns = { time = 0, position = [1, 6], measurement = [13, 18] }";
+    let file = format!("{{ file = '{data}/ur10e/as_recorded_headerless.csv', unit = 'A', {columns} }}");
+    let headerless = validated("headerless", &file);
     assert_near("headerless", &headerless, &named, 1e-3);
 }
 

@@ -135,7 +135,7 @@ impl<'a> Planner<'a> {
         options: &'a NextOptions,
     ) -> Result<Self, Failure> {
         let joints = question.model.joints();
-        let (limits, notes) = match &options.limits {
+        let (limits, mut notes) = match &options.limits {
             Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
             Some(limits) => {
                 return Err(Failure::Argument {
@@ -146,6 +146,10 @@ impl<'a> Planner<'a> {
             }
             None => limits_of(question.recordings),
         };
+        for recording in question.recordings {
+            let of_file = recording.raw.report.warnings();
+            notes.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
+        }
         let last = question.recordings.last().map_or(&[][..], |r| &r.raw.time_s);
         let span_s = last.last().unwrap_or(&0.0) - last.first().unwrap_or(&0.0);
         let rate_hz = if span_s > 0.0 { (last.len() - 1) as f64 / span_s } else { 1.0 };
