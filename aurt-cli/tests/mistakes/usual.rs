@@ -318,7 +318,7 @@ pub const MISTAKES: &[Mistake] = &[
         },
         &[&["joint 1", "tuesday.csv", "after its first stamp on", "sign"]],
     ),
-    everywhere(
+    mistake(
         "two measurements exchanged in one calibration file",
         |w| {
             let first = w.logs[1].measurement(1);
