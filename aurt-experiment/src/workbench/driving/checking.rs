@@ -16,13 +16,11 @@ use super::{
     DriveOutcome, Judged, Read, arm_of,
     doubts::{of_rollouts, rows_per_command},
     doubts_of,
-    gravity::upside_down,
+    gravity::{LEVEL, upside_down},
     of_drive, options_of, read_all, warnings, without_drive,
 };
 use crate::workbench::failure::Failure;
 
-/// Largest probability at which one signal is said to be that of the recordings.
-pub(super) const LEVEL: f64 = 0.01;
 const SIGNALS: [(CommandSignal, &str); 2] =
     [(CommandSignal::Hold, "hold"), (CommandSignal::Linear, "linear")];
 

@@ -4,7 +4,8 @@ use aurt_calibration::drives::{DriveError, DriveRecording, DrivenArm, Options};
 use aurt_diagnosis::drives::{Missed, compare};
 use aurt_rbd::SerialChain;
 
-use super::checking::LEVEL;
+/// Largest probability at which one reading of the recordings is said to be theirs.
+pub(super) const LEVEL: f64 = 0.01;
 
 /// Says so where the same drives meet the positions better under the opposite gravity. A servo sags the way gravity points: a fit to
 /// the wrong way stiffens the drives, and is nearer without being fitted to the right one. One to the right way is not.
