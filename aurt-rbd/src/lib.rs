@@ -77,6 +77,4 @@ pub use plausible::{
 /// Number of standard inertial parameters of a link.
 pub const INERTIAL_PARAMETERS: usize = 10;
 
-/// Joints of the largest chain or tree, those that follow others included: arms have up to about twenty, humanoids with
-/// hands about a hundred, and the work for a model grows with the cube of their number.
-pub const MOST_JOINTS: usize = 128;
+pub use aurt_traits::MOST_JOINTS;

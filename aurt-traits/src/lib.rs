@@ -57,3 +57,7 @@ pub mod reexport {
     pub use inventory;
     pub use typetag;
 }
+
+/// Joints of the largest chain or tree, those that follow others included: arms have up to about twenty, humanoids with
+/// hands about a hundred, and the work for a model grows with the cube of their number.
+pub const MOST_JOINTS: usize = 128;

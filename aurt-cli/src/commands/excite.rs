@@ -90,7 +90,7 @@ impl Excite {
     /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &self.which.inputs())?;
-        let PlannedRobot { robot, bodies, notes, knows_torques } = self.which.planned()?;
+        let PlannedRobot { robot, bodies, joint_names, notes, knows_torques } = self.which.planned()?;
         if self.torque_limits && !knows_torques {
             return Err(Failure::Argument {
                 option: "--torque-limits",
@@ -102,7 +102,7 @@ impl Excite {
         if self.torque_limits {
             trajectory.check_torque(&robot)?;
         }
-        out.write(&trajectory.formatted(out.path(), self.rate_hz, &[])?)?;
+        out.write(&trajectory.formatted(out.path(), self.rate_hz, &joint_names)?)?;
         let kind = self.kind.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
         let mut text =
             format!("{kind} motion of {} joints over {:.1} s\n", robot.joints(), trajectory.duration_s());

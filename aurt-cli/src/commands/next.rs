@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_diagnosis::{Wanted, effects};
+use aurt_diagnosis::{DeviationGoal, effects};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::{
     described_model::{ChainEnds, GivenModel},
@@ -44,7 +44,7 @@ pub struct NextMotion {
     without: Vec<String>,
     /// Standard deviation that a parameter shall have at most; may be given several times
     #[arg(long, value_name = "PARAMETER < STD", value_parser = parse_wanted)]
-    until: Vec<Wanted>,
+    until: Vec<DeviationGoal>,
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2
     #[arg(long, value_name = "LIMITS.csv")]
     limits: Option<PathBuf>,
@@ -68,18 +68,20 @@ const MOST: (f64, usize) = (600.0, 1000);
 const SHORTEST_S: f64 = 5.0;
 
 /// `PARAMETER < STD`.
-fn parse_wanted(text: &str) -> Result<Wanted, String> {
+fn parse_wanted(text: &str) -> Result<DeviationGoal, String> {
     let (parameter, std) =
         text.split_once('<').ok_or("write a parameter and its deviation, such as `mass_kg < 0.02`")?;
     let parameter = parameter.trim().to_owned();
-    let std: f64 = std.trim().parse().map_err(|_| format!("`{}` is no number", std.trim()))?;
+    let std: f64 = std.trim().parse().map_err(|_| format!("`{}` cannot be read as a number", std.trim()))?;
     if !(std.is_finite() && std > 0.0) {
-        return Err(format!("{std} is no standard deviation; give a positive number"));
+        return Err(format!("a standard deviation of {std} cannot be; give a positive number"));
     }
     if !effects::ALL.into_iter().any(|effect| effect.parameter(&parameter).is_some()) {
-        return Err(format!("no effect has a parameter `{parameter}`; `aurt explain EFFECT` lists them"));
+        return Err(format!(
+            "none of the effects has a parameter `{parameter}`; `aurt explain EFFECT` lists them"
+        ));
     }
-    Ok(Wanted { parameter, std })
+    Ok(DeviationGoal { parameter, std })
 }
 
 impl NextMotion {
@@ -132,12 +134,12 @@ impl NextMotion {
         if let Some(name) = self.without.iter().find(|name| !known().any(|id| id == name.as_str())) {
             return refuse(
                 "--without",
-                format!("there is no effect `{name}`"),
+                format!("`{name}` is not one of the effects"),
                 "`aurt explain` lists what there is",
             );
         }
         if !(SHORTEST_S..=MOST.0).contains(&self.duration_s) {
-            let reason = format!("{} s is no duration of a plan", self.duration_s);
+            let reason = format!("a plan cannot take {} s", self.duration_s);
             return refuse("--duration-s", reason, "give 5 to 600 s");
         }
         if !(1..=MOST.1).contains(&self.tries) {

@@ -55,6 +55,8 @@ pub struct PlannedRobot {
     pub robot: Robot,
     /// The rigid bodies, where they are not the robot's chain: joints follow others.
     pub bodies: Option<Arc<dyn RigidBodyRegressor>>,
+    /// Names of the joints that move on their own; none of a table and of simulated robots.
+    pub joint_names: Vec<String>,
     /// Where the limits are from, and what was supplied to them.
     pub notes: Vec<String>,
     /// Whether the drives' torques are known.
@@ -104,7 +106,7 @@ impl PlannedRobotOptions {
                     robot.gravity_m_s2 = gravity;
                 }
                 let notes = vec![format!("limits: those of {asked}, as it is simulated")];
-                Ok(PlannedRobot { robot, bodies: None, notes, knows_torques: true })
+                Ok(PlannedRobot { robot, bodies: None, joint_names: Vec::new(), notes, knows_torques: true })
             }
             (_, Some(known)) => self.of_description(&known.description(), known.name),
             (Ok(_), None) => Err(refuse(
@@ -133,7 +135,13 @@ impl PlannedRobotOptions {
         let rows = in_next_reading(table);
         let (limits, note) = self.limits_of_file(rows.len())?.unwrap_or_default();
         let robot = Robot::of_geometry("your robot", rows, gravity, &limits);
-        Ok(PlannedRobot { robot, bodies: None, notes: vec![note], knows_torques: false })
+        Ok(PlannedRobot {
+            robot,
+            bodies: None,
+            joint_names: Vec::new(),
+            notes: vec![note],
+            knows_torques: false,
+        })
     }
 
     /// The limits of the table that was given, and a note that says so.
@@ -148,7 +156,8 @@ impl PlannedRobotOptions {
             Some((limits, note)) => (limits, vec![note]),
             None => self.limits_of(described, from)?,
         };
-        let followers = described.joints.len() - described.joint_names.len();
+        let joint_names = described.joint_names.clone();
+        let followers = described.joints.len() - joint_names.len();
         if followers > 0 {
             notes.push(format!("{followers} joints follow others (mimic) and are no columns of the motion"));
         }
@@ -162,11 +171,11 @@ impl PlannedRobotOptions {
         if followers > 0 || is_tree {
             let bodies = Some(described.rigid_body(gravity_m_s2)?);
             let robot = Robot::of_limits(&described.name, &limits);
-            return Ok(PlannedRobot { robot, bodies, notes, knows_torques: false });
+            return Ok(PlannedRobot { robot, bodies, joint_names, notes, knows_torques: false });
         }
         let as_mdh = described.as_mdh(gravity_m_s2)?;
         let robot = Robot::of_geometry(&described.name, as_mdh.rows, as_mdh.gravity_m_s2, &limits);
-        Ok(PlannedRobot { robot, bodies: None, notes, knows_torques: false })
+        Ok(PlannedRobot { robot, bodies: None, joint_names, notes, knows_torques: false })
     }
 
     /// The limits that a description states, with what it leaves open; a note for each thing that was supplied.

@@ -55,8 +55,7 @@ impl Problem {
     }
 }
 
-/// What is wrong, as text for a terminal: the colours of the theme are all that commands it, since [`problems`] has escaped what
-/// it shows.
+/// Text of a failure for a terminal. [`problems`] has escaped what it shows, so that the theme's colours alone command the terminal.
 pub fn render(failure: &Failure, coloured: bool) -> String {
     let theme = if coloured { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme)

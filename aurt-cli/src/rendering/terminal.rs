@@ -155,13 +155,13 @@ pub fn can_ask() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }
 
-/// Whether clap shows nothing but the definition of the command line.
+/// True for messages of clap that show the definition of the command line and nothing else.
 const fn is_help(kind: ErrorKind) -> bool {
     use ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
     matches!(kind, DisplayHelp | DisplayHelpOnMissingArgumentOrSubcommand | DisplayVersion)
 }
 
-/// What is wrong with arguments: clap quotes them as they are, so that of its colours none remain.
+/// Text of wrong arguments without clap's colours: clap quotes arguments as they are.
 fn usage_text(plain: &str, style: Style) -> String {
     const BEGINNING: &str = "error:";
     let marked =

@@ -178,7 +178,7 @@ fn no_command_hands_on_arguments_that_command_a_terminal() {
     assert_harmless("an unknown command", &run.stderr());
 }
 
-/// What a command writes to a terminal with colours, lines ended as in files; nothing, with a reason printed, where no program makes a
+/// Output of a command on a terminal with colours, lines ended as in files; nothing, with a reason printed, where no program makes a
 /// terminal. Its standard error is one as well unless it goes to `elsewhere`.
 #[cfg(target_os = "linux")]
 fn on_terminal(folder: &Folder, line: &str, elsewhere: bool) -> Option<String> {

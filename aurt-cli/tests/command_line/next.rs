@@ -87,7 +87,7 @@ fn plans_that_cannot_be_are_refused() {
     assert!(!folder.names().iter().any(|name| name.starts_with("motion")));
 }
 
-/// Of the UR10e's joint 1 two laws are left, and the pose decides.
+/// Friction of the UR10e's joint 1 depends on load, speed or both, and the pose decides.
 #[test]
 fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
     let Some(_) = real_recordings("next of the UR10e") else { return };

@@ -1,5 +1,5 @@
 use crate::evidence::problem::Problem;
-use crate::hypotheses::group::Switch;
+use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Fitted, Investigation};
 use crate::request::Question;
 use crate::verdict::{open_rivals, share_left};
@@ -17,7 +17,19 @@ pub struct Subject {
     pub(super) switches: Vec<Switch>,
 }
 
-/// What a diagnosis leaves open.
+impl Subject {
+    /// The effect of a hypothesis.
+    pub(super) fn of(group: &Group) -> Self {
+        Self {
+            effect: group.effect,
+            joints: group.joints.clone(),
+            candidate: group.candidate,
+            switches: group.switches.clone(),
+        }
+    }
+}
+
+/// An open question of a diagnosis.
 #[derive(Debug, Clone)]
 pub enum Doubt {
     /// Another effect describes the recordings as well as a claim.
@@ -46,13 +58,13 @@ pub enum Doubt {
         /// The claim that it is of.
         subject: Subject,
         /// What is wanted.
-        wanted: Wanted,
+        wanted: DeviationGoal,
     },
 }
 
 /// A standard deviation that a parameter shall have at most.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wanted {
+pub struct DeviationGoal {
     /// Canonical name of the parameter.
     pub parameter: String,
     /// The deviation, in its unit.
@@ -90,15 +102,10 @@ pub(super) fn doubts(
     question: &Question<'_>,
     investigation: &Investigation,
     fitted: &Fitted,
-    wanted: &[Wanted],
+    wanted: &[DeviationGoal],
 ) -> Vec<Doubt> {
     let Investigation { problem, groups, selection, .. } = investigation;
-    let of_group = |g: usize| Subject {
-        effect: groups[g].effect,
-        joints: groups[g].joints.clone(),
-        candidate: groups[g].candidate,
-        switches: groups[g].switches.clone(),
-    };
+    let of_group = |g: usize| Subject::of(&groups[g]);
     let explained = |of: &mut dyn Iterator<Item = usize>| {
         let switches = investigation.switches_of(of.map(|g| &groups[g]));
         Explanation::new(problem, switches, &fitted.weights)

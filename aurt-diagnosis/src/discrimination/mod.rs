@@ -9,28 +9,27 @@
 //! D_AB = ½ min_δ { ‖X_A β̂_A − X_B (β̂_B + δ)‖² + δᵀ S_B δ },
 //!
 //! rows in units of the noise and counted as far as they are independent. The logarithm of the ratio of likelihoods is then
-//! normal with mean D and variance 2 D, and the test by which a diagnosis tells two explanations apart (one-sided, 5 %)
-//! decides with probability Φ(√(D/2) − 1.645).
+//! normal with mean D and variance 2 D, and the test by which a diagnosis tells two explanations apart (Student's t over blocks of
+//! time, one-sided, 5 %) decides with probability Φ(√(D/2) − t).
 //!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 
 mod doubt;
+mod motion;
 mod outlook;
-mod planned;
 
-pub use doubt::{Doubt, Subject, Wanted};
+pub use doubt::{DeviationGoal, Doubt, Subject};
+pub use motion::MotionMoments;
 pub use outlook::{Interval, Outlook};
-pub use planned::Planned;
 
+use aurt_calibration::{ONE_SIDED_5, student};
 use aurt_plugins::Registry;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::evidence::baseline::weighted_fit;
 use crate::investigation::{Fitted, Investigation};
 use crate::request::Question;
 use doubt::doubts;
-
-/// One-sided 5 % of the standard normal distribution, with which a diagnosis tells two explanations apart.
-const DECIDED: f64 = 1.644_853_626_951_472_2;
 
 /// The doubts of a diagnosis, and what a motion would do about them.
 #[derive(Debug)]
@@ -40,6 +39,8 @@ pub struct Discrimination<'a> {
     registry: &'a Registry,
     /// One over the residual's variance times the share of independent rows, joint by joint.
     weights: Vec<f64>,
+    /// One over the variance of what the baseline leaves, by which the investigation tells what this absorbs.
+    base_weights: Vec<f64>,
     /// The model that the investigation ends with.
     fitted: Fitted,
     doubts: Vec<Doubt>,
@@ -52,46 +53,54 @@ impl<'a> Discrimination<'a> {
         question: &'a Question<'a>,
         investigation: &'a Investigation,
         registry: &'a Registry,
-        wanted: &[Wanted],
+        wanted: &[DeviationGoal],
     ) -> Self {
         let fitted = Fitted::new(investigation, investigation.switches());
         let share = investigation.mean_independent_share.clamp(0.01, 1.0);
         let weights = fitted.weights.iter().map(|weight| weight * share).collect();
+        let Investigation { problem, base_switches, floor, .. } = investigation;
+        let (_, base_weights) = weighted_fit(problem, base_switches, floor);
         let doubts = doubts(question, investigation, &fitted, wanted);
-        Self { question, investigation, registry, weights, fitted, doubts }
+        Self { question, investigation, registry, weights, base_weights, fitted, doubts }
     }
 
-    /// What is open.
+    /// The open questions, those of claims first.
     #[must_use]
     pub fn doubts(&self) -> &[Doubt] {
         &self.doubts
     }
+
+    /// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability.
+    #[must_use]
+    pub fn nats_to_decide(&self, probability: f64) -> f64 {
+        let blocks = self.investigation.problem.blocks();
+        2.0 * (decisive(blocks) + Normal::standard().inverse_cdf(probability)).powi(2)
+    }
 }
 
 /// The probability that a diagnosis prefers the true one of two explanations, and the probability that it prefers the other, by
-/// the expected logarithm D of their likelihoods' ratio.
-#[must_use]
-pub fn decided(nats: f64) -> [f64; 2] {
+/// the expected logarithm D of their likelihoods' ratio and the number of blocks of time that it compares them on.
+fn decided(nats: f64, blocks: usize) -> [f64; 2] {
     let in_deviations = (0.5 * nats.max(0.0)).sqrt();
-    [in_deviations - DECIDED, -in_deviations - DECIDED].map(|z| Normal::standard().cdf(z))
+    [in_deviations, -in_deviations].map(|z| Normal::standard().cdf(z - decisive(blocks)))
 }
 
-/// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability.
-#[must_use]
-pub fn nats_to_decide(probability: f64) -> f64 {
-    2.0 * (DECIDED + Normal::standard().inverse_cdf(probability)).powi(2)
+/// The standard errors from which a diagnosis prefers one of two explanations, as in [`crate::search`].
+fn decisive(blocks: usize) -> f64 {
+    student(ONE_SIDED_5, blocks.saturating_sub(1).max(1) as f64)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{decided, nats_to_decide};
+    use super::decided;
 
     #[test]
     fn more_evidence_decides_more_often_and_errs_less() {
-        let [nothing, some, much] = [0.0, 4.0, 40.0].map(decided);
-        assert!((nothing[0] - 0.05).abs() < 1e-9 && (nothing[1] - 0.05).abs() < 1e-9);
+        let [nothing, some, much] = [0.0, 4.0, 40.0].map(|nats| decided(nats, 1000));
+        assert!((nothing[0] - 0.05).abs() < 1e-3 && (nothing[1] - 0.05).abs() < 1e-3, "{nothing:?}");
         assert!(nothing[0] < some[0] && some[0] < much[0] && much[0] > 0.99);
         assert!(nothing[1] > some[1] && some[1] > much[1]);
-        assert!((decided(nats_to_decide(0.9))[0] - 0.9).abs() < 1e-6);
+        // Few blocks decide less often.
+        assert!(decided(4.0, 6)[0] < some[0]);
     }
 }

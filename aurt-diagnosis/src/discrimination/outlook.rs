@@ -1,7 +1,7 @@
 use serde_json::Value;
 
 use super::doubt::{Doubt, Explanation, Subject};
-use super::planned::{Planned, add};
+use super::motion::{MotionMoments, add};
 use super::{Discrimination, decided};
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::Cholesky;
@@ -47,42 +47,37 @@ pub struct Interval {
 impl Discrimination<'_> {
     /// The outlook of every doubt, in the order of [`Discrimination::doubts`].
     #[must_use]
-    pub fn outlook(&self, planned: &Planned) -> Vec<Outlook> {
+    pub fn outlook(&self, planned: &MotionMoments) -> Vec<Outlook> {
         self.doubts.iter().map(|doubt| self.of(doubt, planned)).collect()
     }
 
     /// The same of some doubts.
     #[must_use]
-    pub fn outlook_of(&self, doubts: &[usize], planned: &Planned) -> Vec<Outlook> {
+    pub fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
         doubts.iter().map(|k| self.of(&self.doubts[*k], planned)).collect()
     }
 
     /// Deviations of all parameters of what is claimed, now and with a motion recorded.
     #[must_use]
-    pub fn intervals(&self, planned: &Planned) -> Vec<(Subject, Vec<Interval>)> {
+    pub fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
         let after = self.narrowed(planned);
         let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
         groups
             .map(|group| {
-                let subject = Subject {
-                    effect: group.effect,
-                    joints: group.joints.clone(),
-                    candidate: group.candidate,
-                    switches: group.switches.clone(),
-                };
+                let subject = Subject::of(group);
                 let intervals = self.intervals_of(&subject, &after);
                 (subject, intervals)
             })
             .collect()
     }
 
-    fn of(&self, doubt: &Doubt, planned: &Planned) -> Outlook {
+    fn of(&self, doubt: &Doubt, planned: &MotionMoments) -> Outlook {
         match doubt {
             Doubt::Rivals { explanations, .. } | Doubt::Indicated { explanations, .. } => {
                 let [one, other] = &**explanations;
                 let ways = [self.apart(one, other, planned), self.apart(other, one, planned)];
                 let nats = ways[0].nats.min(ways[1].nats);
-                let [settled, wrongly] = decided(nats);
+                let [settled, wrongly] = decided(nats, self.investigation.problem.blocks());
                 let free = ways[0].free.min(ways[1].free);
                 Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
             }
@@ -108,7 +103,7 @@ impl Discrimination<'_> {
     }
 
     /// How far the rival's torque stays from that of the truth, whatever coefficients it takes that the present recordings allow.
-    fn apart(&self, truth: &Explanation, rival: &Explanation, planned: &Planned) -> Apart {
+    fn apart(&self, truth: &Explanation, rival: &Explanation, planned: &MotionMoments) -> Apart {
         let problem = &self.investigation.problem;
         let (a, b, w) = (&truth.switches[..], &rival.switches[..], &self.weights[..]);
         let own: Vec<Switch> = a.iter().filter(|s| !b.contains(s)).copied().collect();
@@ -144,17 +139,17 @@ impl Discrimination<'_> {
     }
 
     /// Share of an absorbed effect's torque that is free in the present recordings and the motion together.
-    fn free(&self, subject: &Subject, planned: &Planned) -> f64 {
+    fn free(&self, subject: &Subject, planned: &MotionMoments) -> f64 {
         let problem = &self.investigation.problem;
         let all = together(problem.total(), planned);
         let base = &self.investigation.base_switches;
-        let share = problem.free_share_in(&all, base, &subject.switches, &self.weights);
+        let share = problem.free_share_in(&all, base, &subject.switches, &self.base_weights);
         share.into_iter().fold(0.0, f64::max)
     }
 
     /// The deviations of all coefficients with the motion recorded: those of now, less by what the motion adds to the
     /// information.
-    fn narrowed(&self, planned: &Planned) -> Vec<f64> {
+    fn narrowed(&self, planned: &MotionMoments) -> Vec<f64> {
         let fitted = &self.fitted;
         let problem = &self.investigation.problem;
         let switches = &fitted.switches;
@@ -211,7 +206,7 @@ fn quadratic(
 }
 
 /// Moments of the present recordings and of a motion.
-fn together(present: &[Vec<Moments>; 2], planned: &Planned) -> [Vec<Moments>; 2] {
+fn together(present: &[Vec<Moments>; 2], planned: &MotionMoments) -> [Vec<Moments>; 2] {
     let mut all = present.clone();
     add(&mut all, &planned.moments);
     all

@@ -3,7 +3,7 @@
 //! Source: OMG, "DDS Interoperability Wire Protocol" 2.5, section 10; ROS 2 `sensor_msgs/msg/JointState.msg`.
 
 /// Joints of a message that are read, and bytes of the name of each: what a machine says of itself has some dozens.
-pub(super) const MOST_JOINTS: usize = 1000;
+pub(super) const MOST_OF_MESSAGE: usize = 1000;
 const MOST_NAME_BYTES: usize = 512;
 
 /// A message: what each of its joints does, by name.
@@ -44,7 +44,7 @@ impl JointState {
         let count = body.word().ok_or(BREAKS_OFF)? as usize;
         let start = body.at;
         for place in 0..count {
-            if place == MOST_JOINTS || body.text().ok_or(BREAKS_OFF)?.len() > MOST_NAME_BYTES {
+            if place == MOST_OF_MESSAGE || body.text().ok_or(BREAKS_OFF)?.len() > MOST_NAME_BYTES {
                 return Err(TOO_MANY);
             }
         }
@@ -64,7 +64,7 @@ impl JointState {
         };
         take().ok_or(BREAKS_OFF)?;
         let most = self.position.len().max(self.velocity.len()).max(self.effort.len());
-        if most > MOST_JOINTS { Err(TOO_MANY) } else { Ok(()) }
+        if most > MOST_OF_MESSAGE { Err(TOO_MANY) } else { Ok(()) }
     }
 
     /// Bytes that the message holds.

@@ -1,7 +1,9 @@
 use std::collections::{HashSet, VecDeque};
 use std::path::Path;
 
-use crate::bag::joint_state::{JointState, MOST_JOINTS};
+use aurt_traits::MOST_JOINTS;
+
+use crate::bag::joint_state::{JointState, MOST_OF_MESSAGE};
 use crate::bag::messages::Messages;
 use crate::bag::topics::Topic;
 use crate::branches::{BranchMotion, BranchTrack};
@@ -15,8 +17,6 @@ const EXACT: i64 = 1 << 53;
 /// Messages among which one with efforts is looked for, and bytes that they may take.
 const LOOKED_AT: usize = 1000;
 const LOOKED_AT_BYTES: usize = 1 << 24;
-/// Joints of the largest robot, `aurt_rbd::MOST_JOINTS`; a message may have more if the robot's are named.
-const MOST_OF_ROBOT: usize = 128;
 const SECOND_NS: i64 = 1_000_000_000;
 
 /// The rows of a topic: stamp, then positions, velocities and efforts of the wanted joints.
@@ -86,11 +86,10 @@ impl<'a> Joints<'a> {
         let mut known: HashSet<String> = seen.iter().cloned().collect();
         if joints.names.is_empty() {
             joints.names.clone_from(&seen);
-            if seen.len() > MOST_OF_ROBOT {
-                let reason = format!(
-                    "its messages have {} joints, and robots have at most {MOST_OF_ROBOT}",
-                    seen.len()
-                );
+            // A message may have more if the robot's are named.
+            if seen.len() > MOST_JOINTS {
+                let reason =
+                    format!("its messages have {} joints, and robots have at most {MOST_JOINTS}", seen.len());
                 return Err(refuse(reason, format!("name those of the robot: {NAMES}")));
             }
             if let Some(robot) = options.joint_count().filter(|n| *n != seen.len()) {
@@ -118,9 +117,9 @@ impl<'a> Joints<'a> {
                     seen.push(name.clone());
                 }
             }
-            if seen.len() > MOST_JOINTS {
+            if seen.len() > MOST_OF_MESSAGE {
                 let reason = format!(
-                    "its messages name more than {MOST_JOINTS} joints, none of them with all of the robot's"
+                    "its messages name more than {MOST_OF_MESSAGE} joints, none of them with all of the robot's"
                 );
                 return Err(refuse(reason, "record the robot's own topic".to_owned()));
             }

@@ -3,7 +3,7 @@ use std::path::Path as File;
 use super::{MOST_ROWS, Trajectory};
 use crate::error::{Complaints, SimulationError};
 
-/// Time that a robot controller takes to reach the first pose, s, and how it then follows: UR's own advice for `servoj`.
+/// Look-ahead and gain of `servoj`: the middle of the ranges in the URScript manual.
 const SERVO: &str = "lookahead_time=0.1, gain=300";
 
 impl Trajectory {

@@ -1,4 +1,4 @@
-use super::sequence::travel_s;
+use super::sequence::SHORTEST_WAY_S;
 use super::{MultiSineOptions, Trajectory, check_options, multi_sine, point_to_point};
 use crate::error::Complaints;
 use crate::error::SimulationError;
@@ -23,7 +23,7 @@ pub(super) fn draw(
     let first = multi_sine::draw(robot, &sines, random)?;
     // Moves between poses begin at home.
     let home: Vec<f64> = robot.drives.iter().map(|d| d.home_rad).collect();
-    let way_s = travel_s(robot, options.share, &first.pose_rad(sines.duration_s), &home, 0.2);
+    let way_s = robot.travel_s(options.share, &first.pose_rad(sines.duration_s), &home, SHORTEST_WAY_S);
     let left_s = options.duration_s - sines.duration_s - way_s;
     let second = point_to_point::draw(robot, left_s, options.share, rest_s, random)?;
     Ok(Trajectory::sequence(robot, options.share, vec![first, second]))

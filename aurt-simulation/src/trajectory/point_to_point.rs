@@ -1,4 +1,3 @@
-use super::sequence::travel_s;
 use super::{Path, Trajectory, check_options, smooth_step};
 use crate::error::Complaints;
 use crate::error::SimulationError;
@@ -49,7 +48,7 @@ pub(super) fn draw(
                 random.between(reach(-LARGEST_SWING_RAD), reach(LARGEST_SWING_RAD))
             })
             .collect();
-        let travel_s = travel_s(robot, share, &pose, &target, 0.1);
+        let travel_s = robot.travel_s(share, &pose, &target, 0.1);
         if start_s + travel_s + rest_s > duration_s {
             break;
         }

@@ -8,7 +8,7 @@ use crate::error::SimulationError;
 /// The positions of a table, and between them the cubic that has the table's velocities (or, without these, slopes of its
 /// neighbours) at both ends.
 #[derive(Debug, Clone)]
-struct Recorded {
+struct TablePath {
     time_s: Vec<f64>,
     position_rad: Vec<Vec<f64>>,
     velocity_rad_s: Vec<Vec<f64>>,
@@ -23,7 +23,7 @@ pub(super) fn read(file: &File) -> Result<Trajectory, SimulationError> {
     time_s.iter_mut().for_each(|t| *t -= first_s);
     let velocity_rad_s = velocity_rad_s
         .unwrap_or_else(|| position_rad.iter().map(|position| slopes(&time_s, position)).collect());
-    Ok(Trajectory::new(Recorded { time_s, position_rad, velocity_rad_s }))
+    Ok(Trajectory::new(TablePath { time_s, position_rad, velocity_rad_s }))
 }
 
 /// Slopes between the neighbours of each value; rest at both ends.
@@ -35,7 +35,7 @@ fn slopes(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     slopes
 }
 
-impl Path for Recorded {
+impl Path for TablePath {
     fn joints(&self) -> usize {
         self.position_rad.len()
     }

@@ -16,27 +16,25 @@ struct Way {
     duration_s: f64,
 }
 
-/// The time that a move between two poses takes, all joints starting and stopping together.
-pub(super) fn travel_s(robot: &Robot, share: f64, from_rad: &[f64], to_rad: &[f64], least_s: f64) -> f64 {
-    robot.drives.iter().zip(from_rad.iter().zip(to_rad)).fold(least_s, |slowest, (d, (a, b))| {
-        let distance = (b - a).abs();
-        let by_velocity = STEP_PEAK_VELOCITY * distance / (share * d.velocity_limit_rad_s);
-        let by_acceleration =
-            (STEP_PEAK_ACCELERATION * distance / (share * d.acceleration_limit_rad_s2)).sqrt();
-        slowest.max(by_velocity).max(by_acceleration)
-    })
+impl Robot {
+    /// Shortest time of a move between two poses, all joints starting and stopping together, that uses a share of the limits of
+    /// velocity and acceleration, s; at least `least_s`.
+    #[must_use]
+    pub fn travel_s(&self, share: f64, from_rad: &[f64], to_rad: &[f64], least_s: f64) -> f64 {
+        self.drives.iter().zip(from_rad.iter().zip(to_rad)).fold(least_s, |slowest, (d, (a, b))| {
+            let distance = (b - a).abs();
+            let by_velocity = STEP_PEAK_VELOCITY * distance / (share * d.velocity_limit_rad_s);
+            let by_acceleration =
+                (STEP_PEAK_ACCELERATION * distance / (share * d.acceleration_limit_rad_s2)).sqrt();
+            slowest.max(by_velocity).max(by_acceleration)
+        })
+    }
 }
 
 /// Shortest way, s.
-const SHORTEST_WAY_S: f64 = 0.2;
+pub(super) const SHORTEST_WAY_S: f64 = 0.2;
 
 impl Trajectory {
-    /// The shortest time of a move between two poses that uses a share of the limits of velocity and acceleration, s.
-    #[must_use]
-    pub fn travel_s(robot: &Robot, share: f64, from_rad: &[f64], to_rad: &[f64]) -> f64 {
-        travel_s(robot, share, from_rad, to_rad, SHORTEST_WAY_S)
-    }
-
     /// Angles at a time.
     #[must_use]
     pub fn pose_rad(&self, time_s: f64) -> Vec<f64> {
@@ -52,7 +50,7 @@ impl Trajectory {
     pub fn sequence(robot: &Robot, share: f64, parts: Vec<Self>) -> Self {
         let way = |pair: &[Self]| {
             let (from_rad, to_rad) = (pair[0].pose_rad(pair[0].duration_s()), pair[1].pose_rad(0.0));
-            let duration_s = travel_s(robot, share, &from_rad, &to_rad, SHORTEST_WAY_S);
+            let duration_s = robot.travel_s(share, &from_rad, &to_rad, SHORTEST_WAY_S);
             Way { from_rad, to_rad, duration_s }
         };
         let ways = parts.windows(2).map(way).collect();

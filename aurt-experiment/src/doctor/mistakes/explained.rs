@@ -34,13 +34,6 @@ pub struct Poor {
     pub rows: f64,
 }
 
-impl Poor {
-    /// Whether so many rows say enough by themselves. Shorter stretches are told with the mistake that they have.
-    pub(super) fn says_enough(&self) -> bool {
-        self.rows >= LEAST_ROWS
-    }
-}
-
 /// The joints that a model hardly explains in a recording or in a stretch of one, whatever it was used for: a mistake in a
 /// recording that was fitted hardly shows in another. Joints that rest are left out: what holds them is friction that knows
 /// no sign.
@@ -145,6 +138,11 @@ pub fn loudly(poor: &[Poor], recordings: &[RecordingResult], names: RobotNames<'
 }
 
 impl Poor {
+    /// True if so many rows say enough by themselves. Shorter stretches are told with the mistake that they have.
+    pub(super) fn says_enough(&self) -> bool {
+        self.rows >= LEAST_ROWS
+    }
+
     /// `4 % of joint 2 (point_to_point.csv, 3 s to 12 s)`.
     pub(super) fn share(&self, names: RobotNames<'_>) -> String {
         let name = self.recording.rsplit(['/', '\\']).next().unwrap_or(&self.recording);

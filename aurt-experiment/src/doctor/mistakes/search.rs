@@ -32,14 +32,14 @@ const LEAST_STEP: f64 = 0.03;
 const MOST: usize = 4;
 
 #[derive(Clone)]
-pub(super) struct Tried {
+pub(super) struct Attempt {
     mistakes: Vec<Mistake>,
     setup: Setup,
     pub(super) score: Score,
     alike: Vec<Mistake>,
 }
 
-impl Tried {
+impl Attempt {
     pub(super) fn last(&self) -> Option<&Mistake> {
         self.mistakes.last()
     }
@@ -207,21 +207,21 @@ impl Search<'_> {
 
     /// The first of those that are nearly the likeliest, if it is told, with the rest of these. What stretches of recordings refute
     /// is left out; what they neither refute nor confirm leaves nothing to be told.
-    pub(super) fn told(&mut self, now: &Setup, before: Option<&Score>, tried: &[Tried]) -> Option<Tried> {
+    pub(super) fn told(&mut self, now: &Setup, before: Option<&Score>, tried: &[Attempt]) -> Option<Attempt> {
         let error = before.map_or(WORST, |b| b.total);
-        let enough = |t: &&Tried| Evidence::of([(before, &t.score)]).filter(Evidence::is_enough);
-        let mut open: Vec<(Evidence, &Tried)> =
+        let enough = |t: &&Attempt| Evidence::of([(before, &t.score)]).filter(Evidence::is_enough);
+        let mut open: Vec<(Evidence, &Attempt)> =
             tried.iter().filter(|t| t.score.total < error).filter_map(|t| Some((enough(&t)?, t))).collect();
         loop {
             let most = open.iter().map(|(e, _)| e.gain).max_by(f64::total_cmp)?;
             // Of those that are nearly as good the most usual one.
             let (across, first) = *open.iter().find(|(e, _)| e.gain >= most - ALIKE)?;
-            let is_behind = |t: &Tried| {
+            let is_behind = |t: &Attempt| {
                 Evidence::of([(Some(&t.score), &first.score)]).is_some_and(|e| e.gain > ALIKE && e.is_sure(1))
             };
             let others = open.iter().filter(|(_, t)| t.mistakes != first.mistakes && !is_behind(t));
             let alike = others.filter_map(|(_, t)| t.last().cloned()).collect();
-            let best = Tried { alike, ..first.clone() };
+            let best = Attempt { alike, ..first.clone() };
             let mistake = best.last()?;
             let errors = [error, best.score.total];
             match self.tested([now, &best.setup], mistake, across, errors) {
@@ -229,7 +229,7 @@ impl Search<'_> {
                 Tested::Open => return None,
                 Tested::Told | Tested::Refuted => {
                     let is_reading = matches!(mistake, Mistake::Reading { .. });
-                    let is_out = |t: &Tried| {
+                    let is_out = |t: &Attempt| {
                         t.mistakes == best.mistakes
                             || is_reading && t.last().is_some_and(|m| m.is_about_what(mistake))
                     };
@@ -309,7 +309,7 @@ impl Search<'_> {
         now: Option<&Score>,
         told: &[&Mistake],
         is_fine: bool,
-    ) -> Option<Tried> {
+    ) -> Option<Attempt> {
         let open = |m: &Mistake| !told.iter().any(|t| t.is_about_what(m));
         let mistakes = usual(self.subject, setup).into_iter().filter(open);
         let (likely, others): (Vec<Mistake>, Vec<Mistake>) = mistakes.partition(is_likely);
@@ -388,8 +388,8 @@ impl Search<'_> {
     }
 
     /// The likeliest order of columns after further exchanges of two, each the best of all: any order is a product of them.
-    fn reordered(&mut self, setup: &Setup, tried: &[Tried]) -> Option<Tried> {
-        let least = |a: &&Tried, b: &&Tried| a.score.logarithm().total_cmp(&b.score.logarithm());
+    fn reordered(&mut self, setup: &Setup, tried: &[Attempt]) -> Option<Attempt> {
+        let least = |a: &&Attempt, b: &&Attempt| a.score.logarithm().total_cmp(&b.score.logarithm());
         let orders = tried
             .iter()
             .filter(|t| matches!(t.last(), Some(Mistake::Reading { what: Reading::Order { .. }, .. })));
@@ -408,7 +408,7 @@ impl Search<'_> {
         (best.mistakes != first.mistakes).then_some(best)
     }
 
-    fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {
+    fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Attempt> {
         let bench = self.bench;
         self.tried(setup, mistakes, before, |other| bench.score(other))
     }
@@ -419,7 +419,7 @@ impl Search<'_> {
         mistakes: &[Mistake],
         before: &[Mistake],
         score: impl Fn(&Setup) -> Option<Score> + Sync,
-    ) -> Vec<Tried> {
+    ) -> Vec<Attempt> {
         self.trials += mistakes.len();
         // What does not change is prepared once.
         setup.parts.iter().for_each(|p| drop(p.prepared()));
@@ -429,21 +429,21 @@ impl Search<'_> {
                 let setup = mistake.undone(setup);
                 let score = score(&setup)?;
                 let mistakes = before.iter().chain([mistake]).cloned().collect();
-                Some(Tried { mistakes, setup, score, alike: Vec::new() })
+                Some(Attempt { mistakes, setup, score, alike: Vec::new() })
             })
             .collect()
     }
 
     /// The first of those that are nearly the likeliest, with the rest of these.
-    fn likeliest(&self, tried: &[Tried]) -> Option<Tried> {
+    fn likeliest(&self, tried: &[Attempt]) -> Option<Attempt> {
         let least = tried.iter().map(|t| t.score.logarithm()).min_by(f64::total_cmp)?;
         let mut near = tried.iter().filter(|t| t.score.logarithm() <= least + ALIKE);
         let first = near.next()?;
-        Some(Tried { alike: near.filter_map(|t| t.last().cloned()).collect(), ..first.clone() })
+        Some(Attempt { alike: near.filter_map(|t| t.last().cloned()).collect(), ..first.clone() })
     }
 
     /// The same with numbers that were tried coarsely fitted.
-    fn refined(&mut self, setup: &Setup, tried: Tried) -> Tried {
+    fn refined(&mut self, setup: &Setup, tried: Attempt) -> Attempt {
         let coarse = tried.clone();
         let mut best = tried;
         for at in 0..best.mistakes.len() {
@@ -457,7 +457,7 @@ impl Search<'_> {
                     mistakes[at] = changed;
                     let setup = mistakes.iter().fold(setup.clone(), |s, m| m.undone(&s));
                     let score = self.bench.score(&setup)?;
-                    Some(Tried { mistakes, setup, score, alike: best.alike.clone() })
+                    Some(Attempt { mistakes, setup, score, alike: best.alike.clone() })
                 });
                 let better = better.min_by(|a, b| a.score.logarithm().total_cmp(&b.score.logarithm()));
                 if let Some(better) =

@@ -34,3 +34,52 @@ pub(super) fn upside_down(
         )
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use aurt_calibration::drives::{DrivenJoint, Mechanics};
+    use aurt_friction::drives::PositionServo;
+    use aurt_rbd::{Joint, LinkBody, Placement};
+    use aurt_traits::CommandSignal;
+
+    use super::*;
+
+    /// A servo that carries a rod about a level axis.
+    fn arm(gravity_m_s2: [f64; 3]) -> DrivenArm {
+        let level = Placement::from_roll_pitch_yaw([0.0; 3], [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
+        let rod = LinkBody {
+            mass_kg: 0.4,
+            com_m: [0.1, 0.0, 0.0],
+            inertia_at_com_kg_m2: [1e-5, 0.0, 0.0, 1e-3, 0.0, 1e-3],
+        };
+        let servo =
+            PositionServo { gain_nm_per_rad: 6.0, back_emf_nm_s_per_rad: 0.4, ..PositionServo::default() };
+        let mechanics = Mechanics { rotor_inertia_kg_m2: 0.01, ..Mechanics::default() };
+        DrivenArm {
+            chain: SerialChain::new(vec![Joint::revolute(level)], gravity_m_s2).unwrap(),
+            standard_parameters: rod.standard_parameters().to_vec(),
+            joints: vec![DrivenJoint { drive: Box::new(servo), mechanics }],
+            floor: None,
+            command: CommandSignal::Linear,
+        }
+    }
+
+    #[test]
+    fn gravity_upside_down_is_told_and_the_right_one_is_not() {
+        let [down, up] = [-9.81, 9.81].map(|z| [0.0, 0.0, z]);
+        let time_s: Vec<f64> = (0..3000).map(|k| 0.02 * f64::from(k)).collect();
+        let command: Vec<f64> =
+            time_s.iter().map(|t| 0.6 * (0.9 * t).sin() + 0.2 * (2.3 * t).sin()).collect();
+        let mut recording = DriveRecording {
+            position_rad: vec![command.clone()],
+            command: vec![command],
+            time_s,
+            ..DriveRecording::default()
+        };
+        recording.position_rad = arm(down).rollout(&recording).unwrap();
+        let said = |g| upside_down(&arm(g), std::slice::from_ref(&recording), &Options::default()).unwrap();
+        assert_eq!(said(down), None);
+        let told = said(up).unwrap();
+        assert!(told.contains("upside down") && told.contains("-9.81"), "{told}");
+    }
+}

@@ -7,11 +7,14 @@
 mod text;
 
 use aurt::Progress;
-use aurt_diagnosis::discrimination::{Discrimination, Doubt, Interval, Outlook, Planned, Subject, Wanted};
+use aurt_diagnosis::discrimination::{
+    DeviationGoal, Discrimination, Doubt, Interval, MotionMoments, Outlook, Subject,
+};
 use aurt_diagnosis::{DiagnosisError, Question, QuestionedRecording};
 use aurt_plugins::Registry;
 use aurt_recording::{ReadReport, RecordedJoints, Recording};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
+use aurt_traits::RobotNames;
 use rayon::prelude::*;
 
 use crate::Experiment;
@@ -26,7 +29,7 @@ pub struct NextOptions {
     /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
     pub limits: Option<Vec<MotionLimits>>,
     /// Deviations that parameters shall have at most.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<DeviationGoal>,
     /// Longest duration in s.
     pub duration_s: f64,
     /// Pieces that are drawn.
@@ -48,6 +51,8 @@ pub struct Next {
     pub intervals: Vec<(Subject, Vec<Interval>)>,
     /// Names of the joints, where they have some.
     pub joint_names: Vec<String>,
+    /// The expected logarithm of the ratio of likelihoods that settles a doubt with the probability `SURE`.
+    sure_nats: f64,
     /// Rows per second of the recordings.
     pub rate_hz: f64,
     /// Where the limits are from.
@@ -78,7 +83,7 @@ pub struct Open {
     pub generic: Outlook,
 }
 
-/// Longest time of a piece, s: motions of more pieces decide more doubts of different kinds.
+/// Most pieces of a motion: doubts of different kinds need motions of different kinds.
 const PIECES: usize = 4;
 /// Shortest time of a piece, s.
 const SHORTEST_S: f64 = 4.0;
@@ -86,6 +91,8 @@ const SHORTEST_S: f64 = 4.0;
 const STANDING: [f64; 2] = [0.005, 0.02];
 /// Time to the full speed of such a joint, s.
 const TO_FULL_SPEED_S: f64 = 0.5;
+/// The probability of which the time is told that a doubt would take.
+const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
 const SHARE: f64 = 0.8;
 /// A doubt that all pieces together do not settle with this probability is beyond motions like these.
@@ -125,7 +132,7 @@ struct Planner<'a> {
 struct Piece {
     trajectory: Trajectory,
     words: String,
-    planned: Planned,
+    planned: MotionMoments,
 }
 
 impl<'a> Planner<'a> {
@@ -144,7 +151,7 @@ impl<'a> Planner<'a> {
                     remedy: "write a row for each joint".into(),
                 });
             }
-            None => limits_of(question.recordings),
+            None => limits_of(question.recordings, question.model.names()),
         };
         for recording in question.recordings {
             let of_file = recording.raw.report.warnings();
@@ -179,6 +186,7 @@ impl<'a> Planner<'a> {
             never: Vec::new(),
             intervals: Vec::new(),
             joint_names,
+            sure_nats: self.discrimination.nats_to_decide(SURE),
             rate_hz: self.rate_hz,
             notes: self.notes.clone(),
         };
@@ -228,7 +236,7 @@ impl<'a> Planner<'a> {
     fn pieces(&self, progress: &Progress) -> Result<Vec<Piece>, Failure> {
         let robot = Robot::of_limits("arm", &self.limits);
         let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
-        let way_s = Trajectory::travel_s(&robot, SHARE, &ends(0), &ends(1));
+        let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         let duration_s = self.options.duration_s;
         let count = ((duration_s / (0.5 * way_s + SHORTEST_S)) as usize).clamp(1, PIECES);
         let piece_s = (duration_s / count as f64 - if count > 1 { way_s } else { 0.0 }).max(SHORTEST_S);
@@ -341,7 +349,7 @@ impl<'a> Planner<'a> {
     }
 
     /// A multi-sine as one plans it without knowing what is open.
-    fn generic(&self, robot: &Robot, duration_s: f64) -> Result<Planned, Failure> {
+    fn generic(&self, robot: &Robot, duration_s: f64) -> Result<MotionMoments, Failure> {
         let motion = Motion::MultiSine { duration_s, harmonics: 6, top_hz: 0.6, share: 0.8 };
         let recorded = self.recorded_motion(&motion.plan(robot, self.options.seed)?)?;
         Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
@@ -362,17 +370,17 @@ impl<'a> Planner<'a> {
             });
             all.reduce(|| (f64::NEG_INFINITY, chosen.to_vec()), |a, b| if b.0 > a.0 { b } else { a })
         };
-        let way_s = |chosen: &[usize]| {
-            let robot = Robot::of_limits("arm", &self.limits);
+        let robot = Robot::of_limits("arm", &self.limits);
+        let fits = |chosen: &[usize]| {
             let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
-            Trajectory::sequence(&robot, SHARE, parts).duration_s()
+            Trajectory::sequence(&robot, SHARE, parts).duration_s() <= self.options.duration_s
         };
         let (mut chosen, mut most): (Vec<usize>, f64) = (Vec::new(), f64::NEG_INFINITY);
         while chosen.len() < PIECES {
             let mut longer = chosen.clone();
             longer.push(0);
             let (value, with) = best(&longer, chosen.len());
-            if !chosen.is_empty() && way_s(&with) > self.options.duration_s {
+            if !chosen.is_empty() && !fits(&with) {
                 break;
             }
             (chosen, most) = (with, value);
@@ -381,7 +389,7 @@ impl<'a> Planner<'a> {
             let before = most;
             for place in 0..chosen.len() {
                 let (value, with) = best(&chosen, place);
-                if value > most && way_s(&with) <= self.options.duration_s {
+                if value > most && fits(&with) {
                     (chosen, most) = (with, value);
                 }
             }
@@ -393,13 +401,13 @@ impl<'a> Planner<'a> {
 }
 
 /// The moments of several pieces.
-fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<Planned> {
+fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
     let first = pieces.next()?.planned.clone();
     Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))
 }
 
 /// The limits that recordings show: where each joint has been, and how fast.
-fn limits_of(recordings: &[QuestionedRecording]) -> (Vec<MotionLimits>, Vec<String>) {
+fn limits_of(recordings: &[QuestionedRecording], names: RobotNames<'_>) -> (Vec<MotionLimits>, Vec<String>) {
     let joints = recordings.first().map_or(0, |r| r.raw.joints());
     let mut standing = Vec::new();
     let mut of_joint = |j: usize| {
@@ -426,8 +434,7 @@ fn limits_of(recordings: &[QuestionedRecording]) -> (Vec<MotionLimits>, Vec<Stri
         "limits: what the recordings show of positions, speeds, accelerations and torques; --limits gives others".to_owned(),
     ];
     if !standing.is_empty() {
-        let list: Vec<String> = standing.iter().map(ToString::to_string).collect();
-        notes.push(format!("joints {} never moved and hardly move in the plan", list.join(", ")));
+        notes.push(format!("never moved, and hardly moved in the plan: {}", names.joint_list(&standing)));
     }
     (limits, notes)
 }

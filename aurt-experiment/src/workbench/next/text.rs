@@ -1,12 +1,9 @@
-use aurt_diagnosis::discrimination::{Doubt, Outlook, Subject, nats_to_decide};
+use aurt_diagnosis::discrimination::{Doubt, Outlook, Subject};
 use aurt_report::rendering::text::wrapped;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
-use super::{Next, Open, Plan};
-
-/// The probability of which the time is told that a doubt would take.
-const SURE: f64 = 0.9;
+use super::{Next, Open, Plan, SURE};
 
 impl Next {
     /// The plan for people.
@@ -193,7 +190,7 @@ impl Next {
     /// How much of the motion a doubt would take that one does not settle.
     fn more(&self, open: &Open) -> String {
         let (Some(nats), Some(plan)) = (open.planned.nats, &self.motion) else { return String::new() };
-        let times = nats_to_decide(SURE) / nats.max(f64::MIN_POSITIVE);
+        let times = self.sure_nats / nats.max(f64::MIN_POSITIVE);
         if times <= 1.0 {
             return String::new();
         }

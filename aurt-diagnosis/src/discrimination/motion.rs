@@ -1,4 +1,4 @@
-use aurt_recording::{Recording, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, preprocess};
 
 use super::Discrimination;
 use crate::error::DiagnosisError;
@@ -13,13 +13,13 @@ use crate::vocabulary::Addition;
 
 /// Second moments of all columns over a motion that is not recorded yet.
 #[derive(Debug, Clone)]
-pub struct Planned {
+pub struct MotionMoments {
     pub(super) moments: [Vec<Moments>; 2],
     /// The largest torque of each joint that the model of the diagnosis predicts, in the measurement's unit.
     pub largest: Vec<f64>,
 }
 
-impl Planned {
+impl MotionMoments {
     /// The moments of two motions, one after the other.
     #[must_use]
     pub fn and(mut self, other: &Self) -> Self {
@@ -39,7 +39,7 @@ pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
 impl Discrimination<'_> {
     /// The motions that the diagnosis fitted, recorded again for as long as another.
     #[must_use]
-    pub fn recorded_again(&self, other: &Planned) -> Planned {
+    pub fn recorded_again(&self, other: &MotionMoments) -> MotionMoments {
         let total = self.investigation.problem.total();
         let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
         let share = rows(&other.moments) / rows(total).max(1.0);
@@ -48,7 +48,7 @@ impl Discrimination<'_> {
             sum.scale(0.0);
             sum.add(moments, share);
         }
-        Planned { moments, largest: Vec::new() }
+        MotionMoments { moments, largest: Vec::new() }
     }
 
     /// The motion of a recording whose measurement is still unknown; what stands in its place is not used. It is filtered as
@@ -56,9 +56,9 @@ impl Discrimination<'_> {
     ///
     /// # Errors
     /// What preprocessing and evaluation report.
-    pub fn planned(&self, motion: &Recording) -> Result<Planned, DiagnosisError> {
+    pub fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
         let Self { question, investigation, .. } = self;
-        let Investigated { role, options } = self.like();
+        let (role, options) = self.like();
         let mut data = preprocess(motion, options)?;
         leave_out_unresolved(motion, &mut data, options)?;
         let load = extended_load(&investigation.baseline, question.model, &investigation.model);
@@ -94,7 +94,7 @@ impl Discrimination<'_> {
             pieces: vec![1],
             end_of_fit: vec![rows.rows()],
         };
-        Ok(Planned { moments: BlockMoments::accumulate(&[rows], &whole).total, largest })
+        Ok(MotionMoments { moments: BlockMoments::accumulate(&[rows], &whole).total, largest })
     }
 
     /// The largest torque of each joint in rows.
@@ -126,23 +126,16 @@ impl Discrimination<'_> {
         positions.map(|position| [position.step_rad.unwrap_or(0.0), position.white_rad]).collect()
     }
 
-    /// The last of the recordings in question: the next one is read and filtered as it was.
-    fn like(&self) -> Investigated<'_> {
-        let recordings = || self.question.recordings.iter();
-        let target = recordings().rev().find(|r| r.role == Role::Target);
-        let last = target.or_else(|| recordings().rev().find(|r| r.role == Role::Calibration));
+    /// The part that a further recording takes, and how it is read: as the last of those in question.
+    fn like(&self) -> (Role, &PreprocessOptions) {
+        let of_role = |role: Role| self.question.recordings.iter().rev().find(|r| r.role == role);
+        let last = of_role(Role::Target).or_else(|| of_role(Role::Calibration));
         // With a given model every recording is a question about it.
-        let role = if target.is_some() || self.investigation.baseline.frozen {
+        let role = if of_role(Role::Target).is_some() || self.investigation.baseline.frozen {
             Role::Target
         } else {
             Role::Calibration
         };
-        Investigated { role, options: &last.unwrap_or(&self.question.recordings[0]).options }
+        (role, &last.unwrap_or(&self.question.recordings[0]).options)
     }
-}
-
-/// A recording that was investigated.
-struct Investigated<'a> {
-    role: Role,
-    options: &'a aurt_recording::PreprocessOptions,
 }
