@@ -8,7 +8,7 @@ use aurt_experiment::workbench::{
     described_model::{ChainEnds, GivenModel},
     diagnosing::DiagnosisOptions,
     failure::Failure,
-    next::{NextOptions, plan_next},
+    next::{KeepOut, NextOptions, plan_next},
     output::OutputFile,
 };
 use clap::Args;
@@ -48,6 +48,10 @@ pub struct NextMotion {
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2
     #[arg(long, value_name = "LIMITS.csv")]
     limits: Option<PathBuf>,
+    /// Box that the arm stays out of: two opposite corners in m in the base frame, `x,y,z,x,y,z`; may be given several times.
+    /// Lines between the origins of the links are kept out: add the arm's thickness, and the length of what the last link carries
+    #[arg(long, value_name = "CORNERS", value_parser = parse_box, allow_hyphen_values = true)]
+    keep_out: Vec<KeepOut>,
     /// Longest duration in s
     #[arg(long, value_name = "S", default_value = "30")]
     duration_s: f64,
@@ -84,6 +88,20 @@ fn parse_wanted(text: &str) -> Result<DeviationGoal, String> {
     Ok(DeviationGoal { parameter, std })
 }
 
+/// `x,y,z,x,y,z`.
+fn parse_box(text: &str) -> Result<KeepOut, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let numbers = numbers.map_err(|_| format!("`{text}` has a part that is no number"))?;
+    let [x, y, z, u, v, w] = numbers[..] else {
+        return Err(format!("{} numbers; give two corners, x,y,z,x,y,z", numbers.len()));
+    };
+    if !numbers.iter().all(|number| number.is_finite()) {
+        return Err("a corner has to be somewhere; write a large number for what has no end".into());
+    }
+    let sides = [[x, u], [y, v], [z, w]];
+    Ok(KeepOut { low_m: sides.map(|[a, b]| a.min(b)), high_m: sides.map(|[a, b]| a.max(b)) })
+}
+
 impl NextMotion {
     /// Plans.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
@@ -103,6 +121,7 @@ impl NextMotion {
                 ..DiagnosisOptions::default()
             },
             limits: self.limits.as_deref().map(|file| read_limits(file, joints)).transpose()?,
+            keep_out: self.keep_out.clone(),
             wanted: self.until.clone(),
             duration_s: self.duration_s,
             draws: self.tries,

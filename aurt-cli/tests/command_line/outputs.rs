@@ -69,6 +69,13 @@ fn what_a_command_has_read_is_not_overwritten() {
     let table = toml.replace("mdh.csv", "calibrated_parameters.csv");
     stays(&table, "run own.toml --out .", "calibrated_parameters.csv");
     stays(&toml, "check own.toml --fixed mdh.csv", "mdh.csv");
+    stays(
+        &toml.replace("-9.81", "9.81"),
+        "check own.toml --fixed exciting_motion.csv",
+        "exciting_motion.csv",
+    );
+    folder.write("improved.toml", &toml);
+    stays(&toml, "diagnose improved.toml --out .", "improved.toml");
     // Under another name: a link among the results, and a second name of the same file.
     #[cfg(unix)]
     for is_link in [true, false] {
@@ -143,7 +150,14 @@ fn exports_replace_exports_alone() {
     let folder = Folder::new();
     fs::copy(DEMO.path("demo/rd_calibrated.json"), folder.path("rd_calibrated.json")).unwrap();
     let export = |line: &str| folder.aurt(format!("export {line} --name robot --out .").split(' '));
-    for (target, file) in [("c rd_calibrated.json", "main.c"), ("rust rd_calibrated.json", "Cargo.toml")] {
+    let targets = [
+        ("c rd_calibrated.json", "main.c"),
+        ("rust rd_calibrated.json", "Cargo.toml"),
+        ("urdf rd_calibrated.json", "robot.urdf"),
+        ("mjcf rd_calibrated.json", "robot.xml"),
+        ("sdf rd_calibrated.json", "robot.sdf"),
+    ];
+    for (target, file) in targets {
         folder.write(file, "mine");
         export(target).refused(&["--out", file, "is not by `aurt export`", "--force"]);
         assert_eq!(folder.read(file), "mine");

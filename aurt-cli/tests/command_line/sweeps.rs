@@ -156,6 +156,18 @@ fn a_folder_belongs_to_one_experiment() {
     folder.aurt(words("sweep show .")).refused(&["holds no sweep", "aurt sweep run"]);
 }
 
+/// Other points, or another program, give another plan.
+#[test]
+fn a_sweep_is_planned_again_where_it_was() {
+    let folder = experiment(FEW);
+    folder.aurt(words("sweep plan experiment.toml --out swept")).succeeded();
+    let [toml, plan] = ["experiment.toml", "swept/sweep.json"].map(|file| folder.read(file));
+    folder.write("experiment.toml", &toml.replace("\"none\"", "\"constant\""));
+    folder.aurt(words("sweep run experiment.toml --out swept")).succeeded();
+    assert_ne!(folder.read("swept/sweep.json"), plan);
+    assert!(folder.read("swept/points/0001.toml").contains("constant"));
+}
+
 #[test]
 fn keys_and_values_that_cannot_be_are_underlined() {
     let folder = experiment(

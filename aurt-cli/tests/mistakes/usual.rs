@@ -196,6 +196,14 @@ pub const MISTAKES: &[Mistake] = &[
     mistake("position of joint 3 with the other sign", |w| position_sign(w, 3), &[&["joint 3", "sign"]]),
     mistake("position of joint 5 with the other sign", |w| position_sign(w, 5), &[&["joint 5", "sign"]]),
     mistake("position of joint 0 with the other sign", |w| position_sign(w, 0), &[&["joint 0", "sign"]]),
+    everywhere(
+        "axis of joint 4 the other way",
+        |w| {
+            position_sign(w, 4);
+            measurement_sign(w, 4);
+        },
+        &[&["joint 4", "sign"]],
+    ),
     mistake(
         "measurement of joint 0 with the other sign",
         |w| measurement_sign(w, 0),

@@ -73,12 +73,21 @@ pub struct DeviationGoal {
 
 /// A model of the recordings: which coefficients, and their values.
 #[derive(Debug, Clone)]
-pub struct Explanation {
+pub struct ModelFit {
     pub(super) switches: Vec<Switch>,
     pub(super) coefficients: Vec<f64>,
 }
 
-impl Explanation {
+/// A model of the recordings as the truth, and as a rival of the truth.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// The laws in the shapes that were estimated.
+    pub(super) truth: ModelFit,
+    /// The same with the law in question in all shapes in which it was proposed: another shape may suit the motion better.
+    pub(super) rival: ModelFit,
+}
+
+impl ModelFit {
     fn new(problem: &Problem, switches: Vec<Switch>, weights: &[f64]) -> Self {
         let (coefficients, _) = problem.least_squares(&switches, weights);
         Self { switches, coefficients }
@@ -106,16 +115,25 @@ pub(super) fn doubts(
 ) -> Vec<Doubt> {
     let Investigation { problem, groups, selection, .. } = investigation;
     let of_group = |g: usize| Subject::of(&groups[g]);
-    let explained = |of: &mut dyn Iterator<Item = usize>| {
-        let switches = investigation.switches_of(of.map(|g| &groups[g]));
-        Explanation::new(problem, switches, &fitted.weights)
+    let explained = |of: &mut dyn Iterator<Item = usize>, law: Option<usize>| {
+        let mut all: Vec<usize> = of.collect();
+        let model = |of: &[usize]| {
+            let switches = investigation.switches_of(of.iter().map(|g| &groups[*g]));
+            ModelFit::new(problem, switches, &fitted.weights)
+        };
+        let truth = model(&all);
+        all.extend(law.into_iter().flat_map(|law| other_shapes(investigation, law)));
+        Explanation { truth, rival: model(&all) }
     };
     let mut found = Vec::new();
     let claimed = || selection.chosen.iter().map(|chosen| chosen.group);
     for (i, one) in selection.chosen.iter().enumerate() {
         let others = || claimed().enumerate().filter(move |(k, _)| *k != i).map(|(_, g)| g);
         for rival in open_rivals(investigation, one, fitted) {
-            let explanations = [explained(&mut claimed()), explained(&mut others().chain([rival.group]))];
+            let explanations = [
+                explained(&mut claimed(), Some(one.group)),
+                explained(&mut others().chain([rival.group]), Some(rival.group)),
+            ];
             found.push(Doubt::Rivals {
                 claimed: of_group(one.group),
                 rival: of_group(rival.group),
@@ -128,7 +146,8 @@ pub(super) fn doubts(
         if !groups[group].is_named() || claimed().any(|g| g == group) {
             continue;
         }
-        let explanations = [explained(&mut claimed().chain([group])), explained(&mut claimed())];
+        let explanations =
+            [explained(&mut claimed().chain([group]), Some(group)), explained(&mut claimed(), None)];
         found.push(Doubt::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
     }
     for wanted in wanted {
@@ -138,6 +157,23 @@ pub(super) fn doubts(
     }
     found.extend(absorbed(question, investigation));
     found
+}
+
+/// The same law on the same joints in the other shapes from which the search began.
+fn other_shapes(investigation: &Investigation, law: usize) -> impl Iterator<Item = usize> + '_ {
+    let Investigation { groups, candidates, .. } = investigation;
+    let own = &groups[law];
+    let is_other = move |(k, group): &(usize, &Group)| {
+        let proposal = &candidates[group.candidate].proposal;
+        let mut shapes = proposal.shapes.iter().zip(&proposal.starts);
+        *k != law
+            && group.effect == own.effect
+            && group.joints == own.joints
+            && group.target_only() == own.target_only()
+            && !proposal.shapes.is_empty()
+            && shapes.all(|(shape, start)| proposal.fixed.get(shape.name) == Some(start))
+    };
+    groups.iter().enumerate().filter(is_other).map(|(k, _)| k)
 }
 
 /// What the model absorbs in the present motions: of each effect and joint the candidate of which most is left.

@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use super::doubt::{Doubt, Explanation, Subject};
+use super::doubt::{Doubt, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
 use super::{Discrimination, decided};
 use crate::evidence::gram::{Moments, dot};
@@ -75,7 +75,10 @@ impl Discrimination<'_> {
         match doubt {
             Doubt::Rivals { explanations, .. } | Doubt::Indicated { explanations, .. } => {
                 let [one, other] = &**explanations;
-                let ways = [self.apart(one, other, planned), self.apart(other, one, planned)];
+                let ways = [
+                    self.apart(&one.truth, &other.rival, planned),
+                    self.apart(&other.truth, &one.rival, planned),
+                ];
                 let nats = ways[0].nats.min(ways[1].nats);
                 let [settled, wrongly] = decided(nats, self.investigation.problem.blocks());
                 let free = ways[0].free.min(ways[1].free);
@@ -103,7 +106,7 @@ impl Discrimination<'_> {
     }
 
     /// How far the rival's torque stays from that of the truth, whatever coefficients it takes that the present recordings allow.
-    fn apart(&self, truth: &Explanation, rival: &Explanation, planned: &MotionMoments) -> Apart {
+    fn apart(&self, truth: &ModelFit, rival: &ModelFit, planned: &MotionMoments) -> Apart {
         let problem = &self.investigation.problem;
         let (a, b, w) = (&truth.switches[..], &rival.switches[..], &self.weights[..]);
         let own: Vec<Switch> = a.iter().filter(|s| !b.contains(s)).copied().collect();

@@ -50,8 +50,13 @@ const STEPS: usize = 40;
 /// Steps behind the lowest point after which the scan ends.
 const BEYOND: usize = 4;
 
-/// Share of a step at which the lowest point is looked at once more.
+/// Share of a step at which the lowest point is looked at once more, and how often at most.
 const FINE: f64 = 0.25;
+const CENTERINGS: usize = 4;
+
+/// Sections of the interval in which the lowest point is searched, each by the golden ratio: to 1e-8 of it.
+const SECTIONS: usize = 40;
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
@@ -113,6 +118,21 @@ impl Delay {
                 Ok(shifted)
             })
             .collect()
+    }
+}
+
+/// Mean squared errors of the joints at a delay, a step before and a step after it.
+struct Around<'a> {
+    at_s: f64,
+    step_s: f64,
+    errors: [&'a [f64]; 3],
+}
+
+impl Around<'_> {
+    /// The parabola through a joint's errors, c + s u + b u² with u in steps: c, s, b.
+    fn parabola(&self, joint: usize) -> [f64; 3] {
+        let [before, here, after] = self.errors.map(|e| e[joint]);
+        [here, 0.5 * (after - before), 0.5 * (before + after) - here]
     }
 }
 
@@ -184,22 +204,56 @@ impl Scan {
                 scan.errors.push_back(at(k as f64 * step_s));
             }
         }
-        if let Some((delay_s, _)) = scan.vertex() {
-            let around = [-1.0, 0.0, 1.0].map(|by| at(delay_s + by * FINE * step_s));
-            scan.fine = Some((delay_s, around));
+        let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
+        for _ in 0..CENTERINGS {
+            let Some(center_s) = center else { break };
+            scan.fine = Some((center_s, [-1.0, 0.0, 1.0].map(|by| at(center_s + by * FINE * step_s))));
+            // A minimum near an end of the finer steps is looked at once more.
+            center = scan
+                .size()
+                .map(|[delay_s, _]| delay_s)
+                .filter(|d| (d - center_s).abs() > 0.5 * FINE * step_s);
         }
         scan
     }
 
-    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none where the scan
-    /// ended.
-    fn vertex(&self) -> Option<(f64, f64)> {
+    /// The steps around the lowest one; none where the scan ended there.
+    fn around_lowest(&self) -> Option<Around<'_>> {
         let lowest = self.lowest();
         if lowest < 1 || lowest + 1 >= self.errors.len() {
             return None;
         }
-        let around = [lowest - 1, lowest, lowest + 1].map(|k| self.value(&self.errors[k]));
-        Some(parabola((lowest as f64 - self.before as f64) * self.step_s, self.step_s, around))
+        let at_s = (lowest as f64 - self.before as f64) * self.step_s;
+        let errors = [lowest - 1, lowest, lowest + 1].map(|k| self.errors[k].as_slice());
+        Some(Around { at_s, step_s: self.step_s, errors })
+    }
+
+    /// The lowest point of V between three delays, s, and the deviation that its curvature means. A joint's mean squared error is a
+    /// parabola of the delay where this is short beside the periods of the motion; its logarithm is none.
+    fn minimum(&self, around: &Around<'_>) -> (f64, f64) {
+        let parabolas: Vec<[f64; 3]> = (0..self.effective.len()).map(|j| around.parabola(j)).collect();
+        let error = |j: usize, u: f64| {
+            let [constant, slope, bend] = parabolas[j];
+            let least = around.errors.iter().map(|e| e[j]).fold(self.floor[j], f64::min);
+            (constant + u * (slope + u * bend)).max(least).max(f64::MIN_POSITIVE)
+        };
+        let value =
+            |u: f64| (0..parabolas.len()).map(|j| self.effective[j] * libm::log(error(j, u))).sum::<f64>();
+        let [mut low, mut high] = [-1.0, 1.0];
+        for _ in 0..SECTIONS {
+            let inner = GOLDEN * (high - low);
+            if value(high - inner) < value(low + inner) { high = low + inner } else { low = high - inner }
+        }
+        let u = 0.5 * (low + high);
+        // The derivative of the slope, with that of the errors' bends.
+        let curvature: f64 = (0..parabolas.len())
+            .map(|j| {
+                let [_, slope, bend] = parabolas[j];
+                let mse = error(j, u);
+                self.effective[j] * (2.0 * bend / mse - ((slope + 2.0 * bend * u) / mse).powi(2))
+            })
+            .sum();
+        (around.at_s + u * around.step_s, around.step_s / curvature.sqrt())
     }
 
     /// Σ_j ½ n_eff log(MSE / floor). What lies below the floor counts as well: it has its minimum there.
@@ -219,10 +273,13 @@ impl Scan {
 
     /// The lowest point of the scan, s, and the deviation that its curvature means.
     fn size(&self) -> Option<[f64; 2]> {
-        let coarse = self.vertex()?;
-        let (delay_s, std_s) = self.fine.as_ref().map_or(coarse, |(at_s, around)| {
-            parabola(*at_s, FINE * self.step_s, around.each_ref().map(|e| self.value(e)))
+        let coarse = self.around_lowest()?;
+        let fine = self.fine.as_ref().map(|(at_s, errors)| Around {
+            at_s: *at_s,
+            step_s: FINE * self.step_s,
+            errors: errors.each_ref().map(Vec::as_slice),
         });
+        let (delay_s, std_s) = self.minimum(&fine.unwrap_or(coarse));
         std_s.is_finite().then_some([delay_s, std_s])
     }
 
@@ -268,14 +325,6 @@ impl Scan {
         };
         (0..self.effective.len()).map(of_joint).collect()
     }
-}
-
-/// Where the parabola through three points, `step` apart around `at`, is lowest (no farther than a step), and the deviation
-/// that its curvature means.
-fn parabola(at: f64, step: f64, [before, here, after]: [f64; 3]) -> (f64, f64) {
-    let curvature = before - 2.0 * here + after;
-    let vertex = 0.5 * (before - after) / curvature;
-    (at + vertex.clamp(-1.0, 1.0) * step, step / curvature.sqrt())
 }
 
 /// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and friction that lags on
@@ -439,6 +488,14 @@ mod tests {
         let mut early = scan((-5..2).map(|k| vec![error(k, -3.3); 2]).collect());
         early.before = 5;
         assert!((early.delay().unwrap().delay_s + 0.0066).abs() < 0.0006);
+    }
+
+    /// Logarithms of errors that grow twentyfold within a step are no parabolas, and the lowest of them is beside the delay.
+    #[test]
+    fn a_delay_of_a_third_of_a_step_is_not_rounded() {
+        let error = |k: i32| 1.0 + 80.0 * (f64::from(k) - 0.32).powi(2);
+        let found = scan((-1..5).map(|k| vec![error(k); 3]).collect()).size().unwrap();
+        assert!((found[0] - 0.32 * 0.002).abs() < 1e-8, "{found:?}");
     }
 
     #[test]

@@ -54,7 +54,9 @@ impl Recordings {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
         let recorded = recorded_as::read(&mut section);
         let has_clock = recorded.rate_hz.is_none();
-        let general = General { columns: columns_key(&mut section, has_clock).unwrap_or_default(), recorded };
+        let unit = section.choice("unit", &UNITS);
+        let columns = columns_key(&mut section, has_clock).unwrap_or_default();
+        let general = General { unit, columns, recorded };
         let node = section.require("calibration", "calibration = [\"recording.csv\"]");
         let calibration = node.map(|n| sources(&section, "calibration", n, &general)).unwrap_or_default();
         if let Some(node) = node
@@ -74,6 +76,7 @@ impl Recordings {
 /// What holds for all recordings that do not say otherwise.
 struct General {
     recorded: RecordedAs,
+    unit: Option<MeasurementUnit>,
     columns: Option<RecordingColumns>,
 }
 
@@ -100,7 +103,7 @@ fn source(section: &Section<'_, '_>, key: &str, node: &Node, general: &General) 
             file: section.recording_of(key, node)?,
             written: written.clone(),
             window_s: None,
-            unit: None,
+            unit: general.unit,
             columns: general.columns.clone(),
             recorded: general.recorded.clone(),
         }),
@@ -128,7 +131,7 @@ fn described(reader: &Reader, key: &str, node: &Node, general: &General) -> Opti
         }
         Some(window)
     });
-    let unit = table.choice("unit", &UNITS);
+    let unit = table.choice("unit", &UNITS).or(general.unit);
     let mut recorded = recorded_as::read(&mut table).or(&general.recorded);
     recorded.take = joined::take(&mut table, true);
     recorded.joined = joined::read(&mut table, &recorded, &general.recorded);

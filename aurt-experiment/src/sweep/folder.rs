@@ -280,7 +280,7 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {
 
 /// Writes a file so that nobody ever sees half of it.
 fn write_whole(path: &Path, contents: &[u8]) -> Result<(), SweepError> {
-    if aurt_files::read_bytes(path, aurt_files::MOST_MODEL_BYTES).is_ok_and(|old| old == contents) {
+    if aurt_files::read_regular(path, aurt_files::MOST_MODEL_BYTES).is_ok_and(|old| old == contents) {
         return Ok(());
     }
     // A point can be judged again; a hundred thousand waits for the disk would take longer.

@@ -406,9 +406,9 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
 /// in all of its files; stamps and columns are a file's own.
 #[test]
 fn keys_of_recordings_hold_below_unless_said_otherwise() {
-    let recordings = "[recordings]\ncolumns = { time = 0, position = [1, 2] }\ndrop = \"nan\"\ncurrent = \"A\"\ntime = \"s\"\n\
+    let recordings = "[recordings]\ncolumns = { time = 0, position = [1, 2] }\ndrop = \"nan\"\nunit = \"A\"\ncurrent = \"A\"\ntime = \"s\"\n\
                       calibration = [\"a.csv\", { file = \"b.csv\", joined = [\"c.csv\", { file = \"a.csv\", current = \"A\" }], \
-                      current = \"mA\", angle = \"deg\", time = \"ms\", columns = { time = 3, position = [4, 5] } }]\n";
+                      unit = \"Nm\", current = \"mA\", angle = \"deg\", time = \"ms\", columns = { time = 3, position = [4, 5] } }]\n";
     let text = format!("schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0, 0, -9.81]\n{recordings}");
     let e = read(folder().path(), &text).unwrap();
     let [plain, own] = &e.recordings.calibration[..] else { panic!("{:?}", e.recordings) };
@@ -418,6 +418,7 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     };
     assert_eq!((first(plain), first(own)), (1, 4));
     assert!([plain, own].iter().all(|s| s.recorded.drop == Some(DroppedRows::NotANumber)));
+    assert_eq!((plain.unit, own.unit), (Some(MeasurementUnit::Ampere), Some(MeasurementUnit::NewtonMeter)));
     let joined = |k: usize| {
         let r = &own.recorded.joined[k].recorded;
         (r.current, r.angle, r.time)

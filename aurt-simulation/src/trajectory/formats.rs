@@ -120,7 +120,7 @@ mod tests {
             String::from_utf8(text).unwrap().lines().map(str::to_owned).collect::<Vec<_>>()
         };
         let (table, goal, script) = (lines("a.csv"), lines("a.yaml"), lines("a.script"));
-        assert_eq!([table.len(), goal.len(), script.len()], [502, 504, 506]);
+        assert_eq!([table.len(), goal.len(), script.len()], [502, 504, 507]);
         assert!(goal[1].contains(r#""axis \"0\"", "#), "{}", goal[1]);
         assert!(goal[503].ends_with("time_from_start: {sec: 10, nanosec: 0}}"), "{}", goal[503]);
         assert!(script[3].starts_with("  servoj([") && script[3].contains("t=0.02"), "{}", script[3]);

@@ -101,7 +101,13 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
                 0.0,
                 |old, new| old + new,
             ),
+            Reading::AxisSign(joint) if file.is_none() => {
+                [Reading::PositionSign(*joint), Reading::MeasurementSign(*joint)]
+                    .into_iter()
+                    .all(|what| correct(document, subject, &Mistake::Reading { what, file: None }))
+            }
             Reading::MeasurementSign(_)
+            | Reading::AxisSign(_)
             | Reading::AllMeasurementSigns
             | Reading::Gain { .. }
             | Reading::Delay(_)

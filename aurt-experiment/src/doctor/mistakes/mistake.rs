@@ -65,6 +65,8 @@ pub enum Reading {
     PositionSign(usize),
     /// A joint's measurement has the other sign.
     MeasurementSign(usize),
+    /// A joint's axis points the other way: its position and its measurement have the other sign.
+    AxisSign(usize),
     /// All measurements have the other sign.
     AllMeasurementSigns,
     /// Joints stand in another order: joint j is column `order[j]`.

@@ -210,8 +210,11 @@ impl Examination {
             return "this robot cannot be fitted to these recordings at all".into();
         };
         let terms = if self.has_terms { " and the terms of the experiment" } else { "" };
-        let joints: Vec<String> =
-            written.joints.iter().map(|e| e.map_or_else(|| "–".into(), wording::percent)).collect();
+        let of_joint = |(joint, error): (usize, &Option<f64>)| {
+            let error = error.map_or_else(|| "–".into(), wording::percent);
+            if self.joint_names.is_empty() { error } else { format!("{} {error}", self.names().joint(joint)) }
+        };
+        let joints: Vec<String> = written.joints.iter().enumerate().map(of_joint).collect();
         format!(
             "held-out error of rigid bodies with plain friction{terms}, joint by joint: {} ({} setups tried)",
             joints.join(", "),

@@ -51,6 +51,10 @@ impl Reading {
             Self::Turns => all_positions(&mut recording, std::f64::consts::TAU),
             Self::Geared(ratio) => all_positions(&mut recording, 1.0 / ratio),
             Self::PositionSign(joint) => scale(&mut recording.position_rad[*joint], -1.0),
+            Self::AxisSign(joint) => {
+                scale(&mut recording.position_rad[*joint], -1.0);
+                measured(&mut recording, *joint, -1.0);
+            }
             Self::MeasurementSign(joint) => measured(&mut recording, *joint, -1.0),
             Self::AllMeasurementSigns => {
                 (0..recording.joints()).for_each(|joint| measured(&mut recording, joint, -1.0));

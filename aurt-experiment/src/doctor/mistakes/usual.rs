@@ -60,6 +60,7 @@ pub fn is_likely(mistake: &Mistake) -> bool {
             }
             Reading::Turns
             | Reading::Geared(_)
+            | Reading::AxisSign(_)
             | Reading::AllMeasurementSigns
             | Reading::Delay(_)
             | Reading::Time(_)
@@ -157,6 +158,7 @@ fn readings(joints: usize) -> Vec<Reading> {
     let mut readings = vec![Reading::Degrees, Reading::Turns, Reading::AllMeasurementSigns];
     readings.extend((0..joints).map(Reading::MeasurementSign));
     readings.extend((0..joints).map(Reading::PositionSign));
+    readings.extend((0..joints).map(Reading::AxisSign));
     for of in [Columns::Both, Columns::Measurement, Columns::Position] {
         readings.extend(orders(joints).into_iter().map(|order| Reading::Order { of, order }));
     }

@@ -118,6 +118,12 @@ fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
                 Reading::PositionSign(joint) => {
                     format!("The position of {}{of} seems to have the other sign", names.joint(*joint))
                 }
+                Reading::AxisSign(joint) => {
+                    format!(
+                        "The position and the measurement of {}{of} seem to have the other sign",
+                        names.joint(*joint)
+                    )
+                }
                 Reading::MeasurementSign(joint) => {
                     format!("The measurement of {}{of} seems to have the other sign", names.joint(*joint))
                 }
@@ -191,6 +197,13 @@ pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
                 format!(
                     "write a `gear_ratio` of -1 for {} in `[recordings]`, or turn its axis round in the robot's description (`sign` -1 in an \
                      MDH table, `axis` in a URDF file)",
+                    names.joint(*joint)
+                )
+            }
+            Reading::AxisSign(joint) => {
+                format!(
+                    "turn the axis of {0} round in the robot's description (`sign` -1 in an MDH table, `axis` in a URDF file), or write a \
+                     `gear_ratio` of -1 in `[recordings]` and a gain of -1 as `gains` of `[instrument]` for {0}",
                     names.joint(*joint)
                 )
             }

@@ -43,6 +43,11 @@ pub(super) fn read(path: &Path, joints: &RobotJoints) -> Result<Fit, Failure> {
     match value.as_object() {
         Some(table) if table.contains_key("kt") => bam(path, table, joints.count),
         Some(table) if table.contains_key("stiffness") => isaac(path, table, joints),
+        Some(table) if table.contains_key("drive_schema") => {
+            let reason = "is a model of AURT itself, and `--model` compares what others fitted with the experiment's own";
+            let remedy = "run the experiment without it, or write its numbers under [drive] with `estimate = []` and use `aurt run`";
+            Err(Failure::unfit(path, reason, remedy))
+        }
         _ => Err(Failure::unfit(path, "has neither `kt` (BAM) nor `stiffness` (Isaac Lab)", remedy)),
     }
 }

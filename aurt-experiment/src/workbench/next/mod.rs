@@ -4,7 +4,10 @@
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
 //! finds those that together settle most: that maximise the product of the evidence on all doubts.
 
+mod keep_out;
 mod text;
+
+pub use keep_out::KeepOut;
 
 use aurt::Progress;
 use aurt_diagnosis::discrimination::{
@@ -12,6 +15,7 @@ use aurt_diagnosis::discrimination::{
 };
 use aurt_diagnosis::{DiagnosisError, Question, QuestionedRecording};
 use aurt_plugins::Registry;
+use aurt_rbd::RobotDescription;
 use aurt_recording::{ReadReport, RecordedJoints, Recording};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
 use aurt_traits::RobotNames;
@@ -20,6 +24,7 @@ use rayon::prelude::*;
 use crate::Experiment;
 use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
 use crate::workbench::failure::Failure;
+use keep_out::Surroundings;
 
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
@@ -28,6 +33,8 @@ pub struct NextOptions {
     pub diagnosis: DiagnosisOptions,
     /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
     pub limits: Option<Vec<MotionLimits>>,
+    /// What the arm stays out of.
+    pub keep_out: Vec<KeepOut>,
     /// Deviations that parameters shall have at most.
     pub wanted: Vec<DeviationGoal>,
     /// Longest duration in s.
@@ -108,19 +115,39 @@ pub fn plan_next(
     options: &NextOptions,
     progress: &Progress,
 ) -> Result<Next, Failure> {
+    let surroundings = surroundings_of(experiment, &options.keep_out)?;
     diagnoser(experiment, registry, &options.diagnosis, progress)?.ask(
         progress,
         |question, investigation, registry| {
             let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
-            Planner::new(question, &doubts, options)?.plan(progress)
+            Planner::new(question, &doubts, options, surroundings.as_ref())?.plan(progress)
         },
     )
+}
+
+/// The arm among boxes, if there are some.
+fn surroundings_of(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<Surroundings>, Failure> {
+    if boxes.is_empty() {
+        return Ok(None);
+    }
+    let robot = &experiment.robot;
+    let chain = robot.geometry.chain(robot.gravity_m_s2)?;
+    if chain.joints().len() != robot.robot_joints().count {
+        return Err(Failure::Argument {
+            option: "--keep-out",
+            reason: "joints of this robot follow others (mimic), and such motions are not laid beside boxes"
+                .into(),
+            remedy: "keep the arm away with --limits".into(),
+        });
+    }
+    Ok(Some(Surroundings { chain, boxes: boxes.to_vec() }))
 }
 
 struct Planner<'a> {
     question: &'a Question<'a>,
     discrimination: &'a Discrimination<'a>,
     options: &'a NextOptions,
+    surroundings: Option<&'a Surroundings>,
     limits: Vec<MotionLimits>,
     notes: Vec<String>,
     rate_hz: f64,
@@ -140,6 +167,7 @@ impl<'a> Planner<'a> {
         question: &'a Question<'a>,
         discrimination: &'a Discrimination<'a>,
         options: &'a NextOptions,
+        surroundings: Option<&'a Surroundings>,
     ) -> Result<Self, Failure> {
         let joints = question.model.joints();
         let (limits, mut notes) = match &options.limits {
@@ -169,6 +197,7 @@ impl<'a> Planner<'a> {
             question,
             discrimination,
             options,
+            surroundings,
             limits,
             notes,
             rate_hz,
@@ -249,11 +278,22 @@ impl<'a> Planner<'a> {
             }
             drawn.extend(self.drawn(attempt, piece_s, &mut random));
         }
+        let mut refusal =
+            ("--duration-s", "fits into the limits", "give more time, or wider limits with --limits");
+        if !drawn.is_empty() && self.surroundings.is_some() {
+            drawn.retain(|(motion, _)| self.is_allowed(motion));
+            refusal = (
+                "--keep-out",
+                "that was tried stays out of the boxes",
+                "give smaller boxes, or try more with --tries",
+            );
+        }
         if drawn.is_empty() {
+            let (option, what, remedy) = refusal;
             return Err(Failure::Argument {
-                option: "--duration-s",
-                reason: format!("no motion of {piece_s:.1} s fits into the limits"),
-                remedy: "give more time, or wider limits with --limits".into(),
+                option,
+                reason: format!("no motion of {piece_s:.1} s {what}"),
+                remedy: remedy.into(),
             });
         }
         progress.step(format!("evaluating {} motions", drawn.len()));
@@ -278,6 +318,11 @@ impl<'a> Planner<'a> {
             });
         }
         Ok(safe)
+    }
+
+    /// Whether a motion stays out of what the arm is kept out of.
+    fn is_allowed(&self, motion: &Trajectory) -> bool {
+        self.surroundings.is_none_or(|surroundings| surroundings.allow(motion).unwrap_or(false))
     }
 
     /// A piece of one kind: the arm in a part of its range, or in all of it.
@@ -373,7 +418,8 @@ impl<'a> Planner<'a> {
         let robot = Robot::of_limits("arm", &self.limits);
         let fits = |chosen: &[usize]| {
             let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
-            Trajectory::sequence(&robot, SHARE, parts).duration_s() <= self.options.duration_s
+            let motion = Trajectory::sequence(&robot, SHARE, parts);
+            motion.duration_s() <= self.options.duration_s && self.is_allowed(&motion)
         };
         let (mut chosen, mut most): (Vec<usize>, f64) = (Vec::new(), f64::NEG_INFINITY);
         while chosen.len() < PIECES {
