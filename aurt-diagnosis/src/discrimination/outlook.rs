@@ -21,7 +21,7 @@ pub struct Outlook {
     pub settled: f64,
     /// The probability that the wrong explanation is preferred.
     pub wrongly: f64,
-    /// The evidence that the motion brings, whose product over all doubts a plan maximises: the expected logarithm of the ratio
+    /// The evidence that the motion brings: the expected logarithm of the ratio
     /// of likelihoods, the square of the free share, or of the ratio of the wanted deviation to that which is left. Other than
     /// a probability it still grows where the doubt is all but settled.
     pub evidence: f64,

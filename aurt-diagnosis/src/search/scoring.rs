@@ -1,6 +1,6 @@
 //! What a hypothesis brings to a model, on blocks of time that did not fit it.
 
-use aurt_calibration::{ONE_SIDED_5, in_standard_errors, student};
+use aurt_calibration::{ONE_SIDED_5, student};
 use rayon::prelude::*;
 
 use crate::evidence::chance::Chance;
@@ -176,28 +176,31 @@ impl Scoring<'_> {
         best - (self.options.tie * best).max(self.options.tie_nats)
     }
 
-    /// Whether blocks of time that were not fitted to leave open which of two groups is better: the mean over blocks of the
-    /// difference of their log-likelihoods (Q. H. Vuong, *Econometrica* 57, 1989) is less than Student's t says with 95 %.
+    /// Whether blocks of time that were not fitted to leave open which of two groups is better: the sum over blocks of the
+    /// difference of their log-likelihoods is less of its deviations than Student's t says with 95 %.
+    ///
+    /// As in Q. H. Vuong's test (*Econometrica* 57, 1989), but given the motion. If the better one is true, a block's difference is
+    /// Σd² + 2Σde, with d what both predict differently and e the error: d is known, and 2Σde alone is uncertain. A motion in which
+    /// few blocks tell the two apart decides by these; they are then the degrees of freedom (F. E. Satterthwaite, *Biometrics
+    /// Bulletin* 2, 1946).
     pub(crate) fn leaves_open(&self, fit: &Weighed, group: usize, rival: usize) -> bool {
         let problem = self.ground.problem();
-        let of = |g: usize| problem.held_out_by_block(&fit.nested, &self.groups[g].switches);
-        let (own, other) = (of(group), of(rival));
+        let [of_group, of_rival] = [group, rival].map(|g| &self.groups[g].switches[..]);
+        let [own, other] = [of_group, of_rival].map(|g| problem.held_out_by_block(&fit.nested, g));
+        let apart = problem.apart_by_block(&fit.nested, of_group, of_rival);
         let rows: Vec<f64> = (0..problem.joints()).map(|j| problem.rows(j, false).max(1.0)).collect();
         let per_square = |j: usize| {
             let left = own.iter().map(|block| block[j]).sum::<f64>() / rows[j];
             0.5 * fit.shares[j] / left.max(self.floor[j]).max(f64::MIN_POSITIVE)
         };
         let weights: Vec<f64> = (0..problem.joints()).map(per_square).collect();
-        let worse: Vec<f64> = own
-            .iter()
-            .zip(&other)
-            .map(|(own, other)| {
-                own.iter().zip(other).zip(&weights).map(|((own, other), w)| w * (other - own)).sum()
-            })
-            .collect();
-        let t = in_standard_errors(&worse);
-        // Two of the same errors give no number.
-        t.is_nan() || t <= student(ONE_SIDED_5, (worse.len() - 1) as f64)
+        let weighed = |of: &dyn Fn(usize) -> f64| -> f64 {
+            weights.iter().enumerate().map(|(j, weight)| weight * of(j)).sum()
+        };
+        let blocks = (0..own.len())
+            .map(|b| [weighed(&|j| other[b][j] - own[b][j]), weighed(&|j| apart[b][j])])
+            .collect::<Vec<_>>();
+        !is_better(&blocks)
     }
 
     /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
@@ -306,6 +309,17 @@ impl Scoring<'_> {
     }
 }
 
+/// Whether differences of log-likelihoods, a block of time each, are clear of none; beside each what the motion makes of it.
+fn is_better(blocks: &[[f64; 2]]) -> bool {
+    let sum = |of: &dyn Fn(&[f64; 2]) -> f64| blocks.iter().map(of).sum::<f64>();
+    let deviation = sum(&|[worse, apart]| (worse - apart).powi(2)).sqrt();
+    let freedom = sum(&|[_, apart]| *apart).powi(2) / sum(&|[_, apart]| apart * apart);
+    let most = blocks.len().saturating_sub(1).max(1) as f64;
+    // Two of the same errors give no number.
+    let t = sum(&|[worse, _]| *worse) / deviation;
+    freedom.is_finite() && t > student(ONE_SIDED_5, freedom.clamp(1.0, most))
+}
+
 /// What is lost without an effect.
 #[derive(Debug, Clone)]
 pub(crate) struct Loss {
@@ -320,4 +334,22 @@ pub(crate) struct Loss {
 /// All but the i-th.
 pub(crate) fn without(chosen: &[usize], i: usize) -> Vec<usize> {
     chosen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_better;
+
+    #[test]
+    fn few_blocks_that_tell_two_laws_apart_decide() {
+        let nothing = |k: i32| [if k % 2 == 0 { 0.3 } else { -0.25 }, 0.02];
+        let with =
+            |telling: &[[f64; 2]]| (0..20).map(nothing).chain(telling.iter().copied()).collect::<Vec<_>>();
+        // As many nats as the motion promises, in two blocks of 22.
+        assert!(is_better(&with(&[[30.0, 31.0], [12.0, 10.5]])));
+        // A block that should have told, and one that does not, disagree.
+        assert!(!is_better(&with(&[[30.0, 31.0], [-9.0, 10.5]])));
+        assert!(!is_better(&with(&[])));
+        assert!(!is_better(&[[0.0, 0.0]; 5]) && !is_better(&[]));
+    }
 }

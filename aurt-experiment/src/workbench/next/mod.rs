@@ -2,7 +2,7 @@
 //!
 //! The motion is composed of pieces drawn at random within the limits: multi-sines, constant speeds, slow triangles, poses held.
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
-//! finds those that together settle most: that maximise the product of the evidence on all doubts.
+//! finds those that together settle most: that maximise the expected number of settled doubts.
 
 mod keep_out;
 mod text;
@@ -91,7 +91,11 @@ pub struct Open {
 }
 
 /// Most pieces of a motion: doubts of different kinds need motions of different kinds.
-const PIECES: usize = 4;
+const PIECES: usize = 8;
+/// Pieces of full length: half of those that are drawn, the others are half as long and fill what is left.
+const FULL_PIECES: usize = 4;
+/// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
+const NO_DOUBT: f64 = 1e-6;
 /// Shortest time of a piece, s.
 const SHORTEST_S: f64 = 4.0;
 /// A joint that never moved may turn within this, rad, and at this speed, rad/s: nothing says that it may move farther.
@@ -267,7 +271,7 @@ impl<'a> Planner<'a> {
         let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         let duration_s = self.options.duration_s;
-        let count = ((duration_s / (0.5 * way_s + SHORTEST_S)) as usize).clamp(1, PIECES);
+        let count = ((duration_s / (0.5 * way_s + SHORTEST_S)) as usize).clamp(1, FULL_PIECES);
         let piece_s = (duration_s / count as f64 - if count > 1 { way_s } else { 0.0 }).max(SHORTEST_S);
         let mut random = Random::labelled(self.options.seed, "next");
         let mut drawn: Vec<(Trajectory, String)> = Vec::new();
@@ -276,7 +280,8 @@ impl<'a> Planner<'a> {
             if drawn.len() == self.options.draws {
                 break;
             }
-            drawn.extend(self.drawn(attempt, piece_s, &mut random));
+            let length = if attempt % 8 < 4 { 1.0 } else { 0.5 };
+            drawn.extend(self.drawn(attempt, (length * piece_s).max(SHORTEST_S), &mut random));
         }
         let mut refusal =
             ("--duration-s", "fits into the limits", "give more time, or wider limits with --limits");
@@ -400,20 +405,13 @@ impl<'a> Planner<'a> {
         Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
     }
 
-    /// The pieces that together settle most.
+    /// The pieces that together settle most within the duration: the expected number of settled doubts, and the evidence where
+    /// all are as good as settled.
     fn exchanged(&self, pieces: &[Piece], open: &[usize]) -> Vec<usize> {
         let value = |chosen: &[usize]| -> f64 {
             let Some(sum) = together(chosen.iter().map(|k| &pieces[*k])) else { return f64::NEG_INFINITY };
             let outlook = self.discrimination.outlook_of(open, &sum);
-            outlook.iter().map(|o| o.evidence.max(f64::MIN_POSITIVE).ln()).sum()
-        };
-        let best = |chosen: &[usize], place: usize| -> (f64, Vec<usize>) {
-            let all = (0..pieces.len()).into_par_iter().map(|k| {
-                let mut with = chosen.to_vec();
-                with[place] = k;
-                (value(&with), with)
-            });
-            all.reduce(|| (f64::NEG_INFINITY, chosen.to_vec()), |a, b| if b.0 > a.0 { b } else { a })
+            outlook.iter().map(|o| o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln()).sum()
         };
         let robot = Robot::of_limits("arm", &self.limits);
         let fits = |chosen: &[usize]| {
@@ -421,21 +419,34 @@ impl<'a> Planner<'a> {
             let motion = Trajectory::sequence(&robot, SHARE, parts);
             motion.duration_s() <= self.options.duration_s && self.is_allowed(&motion)
         };
+        // The best at a place, of those with which the motion is short enough.
+        let best = |chosen: &[usize], place: usize| -> (f64, Vec<usize>) {
+            let all = (0..pieces.len()).into_par_iter().filter_map(|k| {
+                let mut with = chosen.to_vec();
+                with[place] = k;
+                fits(&with).then(|| (value(&with), with))
+            });
+            all.reduce(|| (f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a })
+        };
         let (mut chosen, mut most): (Vec<usize>, f64) = (Vec::new(), f64::NEG_INFINITY);
         while chosen.len() < PIECES {
             let mut longer = chosen.clone();
             longer.push(0);
             let (value, with) = best(&longer, chosen.len());
-            if !chosen.is_empty() && !fits(&with) {
+            if with.is_empty() {
                 break;
             }
             (chosen, most) = (with, value);
+        }
+        if chosen.is_empty() {
+            let lengths = pieces.iter().map(|piece| piece.trajectory.duration_s()).enumerate();
+            chosen.extend(lengths.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k));
         }
         loop {
             let before = most;
             for place in 0..chosen.len() {
                 let (value, with) = best(&chosen, place);
-                if value > most && fits(&with) {
+                if value > most {
                     (chosen, most) = (with, value);
                 }
             }
