@@ -8,13 +8,13 @@ import numpy as np
 from cases import ArmCase
 from signals import Rows, Skipped, data_folder
 
-SINGLE_DRIVE = [{"type": "prismatic", "alpha": "0", "a": "0", "d": "0"}]
+SINGLE_DRIVES = {"emps": "prismatic", "shaft": "revolute"}
 
 
 def joint_rows(case: ArmCase) -> list[dict[str, float | str]]:
     """Per joint: alpha and a that lead to it, its d, theta and type."""
-    if case.mdh == "emps":
-        lines = SINGLE_DRIVE
+    if case.mdh in SINGLE_DRIVES:
+        lines = [{"type": SINGLE_DRIVES[case.mdh], "alpha": "0", "a": "0", "d": "0"}]
     else:
         path = data_folder() / case.mdh
         if not path.is_file():

@@ -61,13 +61,12 @@ class DriveCase:
 
     name: str
     title: str
-    calibration: tuple[Part, ...]
-    held_out: tuple[Part, ...]
-    position: tuple[int, int]
-    command: tuple[int, int]
-    rate_hz: float
     experiment: str
     description: str
+    calibration: tuple[Part, ...]
+    held_out: tuple[Part, ...]
+    position: slice
+    command: slice
     truth: dict[str, Truth] = field(default_factory=dict)
 
 
@@ -130,4 +129,31 @@ ARMS = (
 )
 
 
-CASES = ARMS
+DYNO = "dyno/futek_test_22_04_2021_17-11-42.csv"
+ARMS += (
+    ArmCase(
+        "dyno", "dyno, loss by the sensor", "shaft", (Part(DYNO, 4.0, 68.0),), (Part(DYNO, 70.0, 103.0),),
+        1.0, 100.0, (1.0,), (0.0, 0.0, 0.0), offset=True,
+    ),
+)
+
+SO101 = (
+    "backlash_detection", "chirp_sweep", "friction_gravity", "hold_under_gravity", "multisine", "pick_place",
+    "random_waypoints", "single_joint_elbow", "single_joint_rotation", "single_joint_wrist_pitch",
+    "single_joint_wrist_roll", "slow_precision", "static_holding", "step_response", "trapezoidal_profile",
+)
+GO2 = "go2/traj_0.csv"
+
+DRIVES = (
+    DriveCase(
+        "so101", "SO-101, rollouts", "5-servo/so101.toml", "so101/so101_new_calib.xml",
+        tuple(Part(f"so101/{name}.csv") for name in SO101[::2]), tuple(Part(f"so101/{name}.csv") for name in SO101[1::2]),
+        slice(7, 12), slice(1, 6),
+    ),
+    DriveCase(
+        "go2", "Go2, rollouts", "6-quadruped/go2.toml", "go2/go2.xml",
+        (Part(GO2, 0.0, 15.66),), (Part(GO2, 15.66, 23.5),), slice(1, 13), slice(13, 25),
+    ),
+)
+
+CASES = ARMS + DRIVES

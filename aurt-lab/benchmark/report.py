@@ -5,6 +5,7 @@ from types import ModuleType
 
 from cases import ArmCase, DriveCase, Truth
 from result import processor_s
+from rollouts import rollout_error
 from signals import Skipped, held_out_error
 
 HEAD = (
@@ -34,7 +35,8 @@ def line(case: ArmCase | DriveCase, tool: ModuleType) -> Line:
     estimates = ", ".join(estimate(name, truth, result.values) for name, truth in case.truth.items())
     held_out = "–"
     if result.predictions is not None:
-        held_out = f"{held_out_error(case, result.predictions):.2f} %"
+        score, unit = (held_out_error, "%") if isinstance(case, ArmCase) else (rollout_error, "mrad")
+        held_out = f"{score(case, result.predictions):.2f} {unit}"
     return Line(case.title, tool.NAME, estimates or "–", held_out, seconds)
 
 

@@ -15,7 +15,7 @@ import sys
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS"):
     os.environ[variable] = "1"
 
-TOOLS = ("aurt", "aurt_diagnose", "wls", "figaroh_tool", "trees", "wls_trees")
+TOOLS = ("command", "aurt", "aurt_diagnose", "aurt_drive", "wls", "figaroh_tool", "sysid", "sysid_drive", "bam_tool", "trees", "wls_trees", "trees_drive")
 
 
 def parse() -> argparse.Namespace:

@@ -50,10 +50,24 @@ def columns(case: ArmCase, file: str) -> tuple[np.ndarray, np.ndarray, np.ndarra
         arrays = io.loadmat(path)
         t, q, measured = (np.asarray(arrays[name], float) for name in case.columns)
         return t.ravel(), q, measured
+    if file.startswith("dyno/"):
+        return bench_losses(file)
     names, numbers = table(file)
     n = case.joints
     measured = [k for k, name in enumerate(names) if "current_" in name or "torque_" in name]
     return numbers[:, 0], numbers[:, 1 : 1 + n], numbers[:, measured[:n]]
+
+
+def bench_losses(file: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Stamps, positions and torque that drive 1 loses: by its current, less what the torque sensor passes on."""
+    path = data_folder() / file
+    if not path.is_file():
+        raise Skipped(f"{file} is absent")
+    with path.open() as lines:
+        found = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    names = ("time [s]", "a1 position [rad]", "a1 torque [Nm]", "trd605 torque [Nm]")
+    t, q, motor, sensor = np.array([[float(row[name]) for name in names] for row in found]).T
+    return t, q[:, None], (motor - sensor)[:, None]
 
 
 def lowpass(values: np.ndarray, cutoff_hz: float, rate_hz: float) -> np.ndarray:

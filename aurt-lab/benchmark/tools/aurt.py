@@ -11,9 +11,10 @@ import tempfile
 
 import numpy as np
 
+from arm import SINGLE_DRIVES
 from cases import ArmCase, Part
 from result import Result
-from signals import Skipped, data_folder, rows
+from signals import Skipped, bench_losses, data_folder, rows
 
 NAME, CASES = "AURT", ArmCase
 COEFFICIENTS = {
@@ -49,9 +50,16 @@ def call(*arguments: str | pathlib.Path) -> str:
     return done.stdout
 
 
-def entry(case: ArmCase, part: Part, folder: pathlib.Path) -> str:
-    """An entry of `[recordings]`."""
-    text = f'file = "{folder / part.file}", window_s = [{part.begin_s}, {part.end_s}]'
+def entry(case: ArmCase, part: Part, scratch: pathlib.Path) -> str:
+    """An entry of `[recordings]`; losses are computed first."""
+    file = data_folder() / part.file
+    if not file.is_file():
+        raise Skipped(f"{part.file} is absent")
+    if part.file.startswith("dyno/"):
+        file = scratch / file.name
+        table = np.column_stack(bench_losses(part.file))
+        np.savetxt(file, table, delimiter=",", header="time,q_0,torque_0", comments="")
+    text = f'file = "{file}", window_s = [{part.begin_s}, {part.end_s}]'
     if case.columns:
         t, q, measured = case.columns
         text += f', unit = "Nm", columns = {{ time = "{t}", position = ["{q}"], measurement = ["{measured}"] }}'
@@ -61,9 +69,9 @@ def entry(case: ArmCase, part: Part, folder: pathlib.Path) -> str:
 def robot(case: ArmCase, scratch: pathlib.Path) -> str:
     """The tables `[robot]`, `[instrument]` and `[preprocess]`."""
     mdh = data_folder() / case.mdh
-    if case.mdh == "emps":
-        mdh = scratch / "emps.csv"
-        mdh.write_text("type,alpha,a,d\nprismatic,0,0,0\n")
+    if case.mdh in SINGLE_DRIVES:
+        mdh = scratch / "drive.csv"
+        mdh.write_text(f"type,alpha,a,d\n{SINGLE_DRIVES[case.mdh]},0,0,0\n")
     text = f'schema = 1\n[robot]\nmdh = "{mdh}"\ngravity_m_s2 = {list(case.gravity)}\n'
     if case.unit == "A":
         text += f"torque_constants_nm_per_a = {list(case.nm_per_unit)}\n"
@@ -86,13 +94,9 @@ def terms(case: ArmCase) -> str:
     return text
 
 
-def recordings(case: ArmCase, **roles: tuple[Part, ...]) -> str:
+def recordings(case: ArmCase, scratch: pathlib.Path, **roles: tuple[Part, ...]) -> str:
     """The table `[recordings]`."""
-    folder = data_folder()
-    for part in (part for parts in roles.values() for part in parts):
-        if not (folder / part.file).is_file():
-            raise Skipped(f"{part.file} is absent")
-    lines = (f"{role} = [{', '.join(entry(case, part, folder) for part in parts)}]\n" for role, parts in roles.items())
+    lines = (f"{role} = [{', '.join(entry(case, part, scratch) for part in parts)}]\n" for role, parts in roles.items())
     return "[recordings]\n" + "".join(lines)
 
 
@@ -130,7 +134,7 @@ def solve(case: ArmCase) -> Result:
     """Estimates and predictions of `aurt run`."""
     with scratch_folder() as scratch:
         file, out = scratch / "experiment.toml", scratch / "out"
-        parts = recordings(case, calibration=case.calibration, validation=case.held_out)
+        parts = recordings(case, scratch, calibration=case.calibration, validation=case.held_out)
         file.write_text(robot(case, scratch) + parts + terms(case))
         call("run", "--quiet", file, "--out", out)
         return Result(coefficients(case, out), predictions(case, out))

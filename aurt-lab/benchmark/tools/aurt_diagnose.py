@@ -41,11 +41,11 @@ def solve(case: ArmCase) -> Result:
     roles = {"calibration": known} | ({"target": changed} if changed else {})
     with scratch_folder() as scratch:
         file, out = scratch / "experiment.toml", scratch / "diagnosis"
-        file.write_text(robot(case, scratch) + recordings(case, **roles) + terms(blind))
+        file.write_text(robot(case, scratch) + recordings(case, scratch, **roles) + terms(blind))
         call("diagnose", "--quiet", file, "--out", out)
         verdict = json.loads((out / "verdict.json").read_text())
         improved = out / "improved.toml"
-        held_out = recordings(case, validation=case.held_out).partition("\n")[2]
+        held_out = recordings(case, scratch, validation=case.held_out).partition("\n")[2]
         improved.write_text(re.sub(r"^\[recordings\]\n", f"[recordings]\n{held_out}", improved.read_text(), flags=re.M))
         call("run", "--quiet", improved, "--out", scratch / "out")
         effects = sorted({effect["effect"] for effect in verdict["effects"]})
