@@ -1,7 +1,6 @@
 """mujoco.sysid on a single drive whose force is measured: rollouts in pieces, mass, damping, friction loss and offset.
 
-Arms whose torques are measured are no cases of it: rollouts of an arm driven by measured torques diverge within
-tenths of a second, and the toolbox has no inverse dynamics.
+Arms of several joints are solved by inverse dynamics (`sysid_arm`).
 """
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from cases import ArmCase
 from result import Result
 from signals import Rows, Skipped, rows
+from tools import sysid_arm
 from tools.sysid_drive import optimized, version as version
 
 NAME, CASES = "mujoco.sysid", ArmCase
@@ -56,8 +56,10 @@ def pieces(recording: Rows) -> list[slice]:
 
 def solve(case: ArmCase) -> Result:
     """Estimates, and forces that the same equation predicts."""
+    if case.joints > 1:
+        return sysid_arm.solve(case)
     if case.name != "emps":
-        raise Skipped("measured torques cannot drive rollouts of an arm")
+        raise Skipped("a loss is no force that moves anything")
     import mujoco
     from mujoco import sysid
 

@@ -39,14 +39,16 @@ class Setting:
     fixed_gain: float
     fixed_damping: float
     floor: bool
+    # Damping, armature, friction loss, delay: those of AURT's experiment.
+    start: tuple[float, float, float, float]
 
 
 LEGS = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))
 SETTINGS = {
     "so101": Setting(
-        ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"), 0.01, (15.0, 1.0, 100.0), 0.0, 0.0, True
+        ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"), 0.01, (10.0, 1.0, 100.0), 0.0, 0.0, True, (0.5, 0.005, 0.06, 0.035)
     ),
-    "go2": Setting(LEGS, 0.005, None, 20.0, 1.5, False),
+    "go2": Setting(LEGS, 0.005, None, 20.0, 1.5, False, (0.6, 0.01, 0.2, 0.0)),
 }
 
 
@@ -110,14 +112,15 @@ def parameters(setting: Setting):
 
         return apply
 
+    damping, armature, frictionloss, delay = setting.start
     for name in setting.joints:
         if setting.gain:
             add(f"{name} gain", *setting.gain, set_gain(name))
-        add(f"{name} damping", 0.5, 0.0, 5.0, set_joint(name, "damping"))
-        add(f"{name} armature", 0.01, 1e-4, 0.2, set_joint(name, "armature"))
-        add(f"{name} frictionloss", 0.15, 0.0, 2.0, set_joint(name, "frictionloss"))
+        add(f"{name} damping", damping, 0.0, 5.0, set_joint(name, "damping"))
+        add(f"{name} armature", armature, 1e-4, 0.2, set_joint(name, "armature"))
+        add(f"{name} frictionloss", frictionloss, 0.0, 2.0, set_joint(name, "frictionloss"))
         add(f"{name} offset", 0.0, -0.2, 0.2, set_offset(name))
-    add("delay", 0.02, 0.0, 0.1)
+    add("delay", delay, 0.0, 0.1)
     if setting.floor:
         add("table", -0.045, -0.1, 0.0, lambda spec, p: spec.geom("table").pos.__setitem__(2, p.value[0]))
     return found
@@ -163,7 +166,7 @@ def solve(case: DriveCase) -> Result:
     motions = [motion(case, part) for part in case.calibration]
     fitted = sysid.build_residual_fn(models_sequences=sequences(spec, motions), modify_residual=delayed, n_threads=1)
     start = parameters(setting).move_off_bounds()
-    best = optimized(start, fitted, 15)
+    best = optimized(start, fitted, 10)
     held_out = [motion(case, part) for part in case.held_out]
     judged = sysid.build_residual_fn(models_sequences=sequences(spec, held_out), modify_residual=delayed, n_threads=1)
     _, predictions, _ = judged(best.as_vector(), best)

@@ -48,7 +48,7 @@ def grow(x: np.ndarray, y: np.ndarray, setting: tuple[int, int]):
         raise Skipped("the package scikit-learn is not installed") from error
     leaves, least = setting
     trees = HistGradientBoostingRegressor(
-        learning_rate=0.1, max_leaf_nodes=leaves, min_samples_leaf=least, max_iter=150, early_stopping=False, random_state=1
+        learning_rate=0.1, max_leaf_nodes=leaves, min_samples_leaf=least, max_iter=100, early_stopping=False, random_state=1
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
