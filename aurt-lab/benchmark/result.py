@@ -1,5 +1,6 @@
 """What a tool says of a case, and how long it takes."""
 
+import importlib
 import os
 from dataclasses import dataclass, field
 from importlib import metadata
@@ -24,9 +25,13 @@ def processor_s() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
-def package_version(name: str) -> str:
-    """Version of an installed package."""
+def package_version(name: str, module: str | None = None) -> str:
+    """Version of an installed package, whose module is loaded here rather than in the first case."""
     try:
+        if module:
+            importlib.import_module(module)
         return f"{name} {metadata.version(name)}"
     except metadata.PackageNotFoundError as error:
         raise Skipped(f"the package {name} is not installed") from error
+    except ImportError as error:
+        raise Skipped(f"the package {name} cannot be loaded: {error}") from error

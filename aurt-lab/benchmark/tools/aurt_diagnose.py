@@ -1,13 +1,13 @@
 """AURT without being told of load or coupling: `aurt diagnose` on the calibration parts, then `aurt run` of the improved experiment."""
 
+import dataclasses
 import json
-import pathlib
 import re
 
 from cases import ArmCase
 from result import Result
-from tools.aurt import call, predictions, recordings, robot, scratch_folder, terms, version as version
-import dataclasses
+from tools.aurt import call, coefficients, predictions, recordings, robot, scratch_folder, terms
+from tools.aurt import version as version
 
 NAME, CASES = "AURT diagnose", ArmCase
 
@@ -50,4 +50,5 @@ def solve(case: ArmCase) -> Result:
         call("run", "--quiet", improved, "--out", scratch / "out")
         effects = sorted({effect["effect"] for effect in verdict["effects"]})
         values = {name: first(value) for name, value in claimed(case, verdict).items()}
+        values = coefficients(case, scratch / "out") | values
         return Result(values, predictions(case, scratch / "out"), ", ".join(effects))

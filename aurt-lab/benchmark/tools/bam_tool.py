@@ -20,7 +20,8 @@ MODELS, TRIALS, SEED = ("m1", "m2"), 600, 1
 
 def version() -> str:
     """Package, and the optimizer that its `fit` uses."""
-    return ", ".join(package_version(name) for name in ("better-actuator-models", "optuna", "cmaes"))
+    modules = {"better-actuator-models": "bam.mujoco", "optuna": "optuna", "cmaes": "cmaes"}
+    return ", ".join(package_version(name, module) for name, module in modules.items())
 
 
 def classes():

@@ -18,7 +18,7 @@ NAME, CASES = "figaroh", ArmCase
 
 def version() -> str:
     """Version of the package."""
-    return package_version("figaroh")
+    return package_version("figaroh", "figaroh.identification.base_identification")
 
 
 class Robot:

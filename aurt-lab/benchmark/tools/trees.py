@@ -20,7 +20,7 @@ BLOCKS = 4
 
 def version() -> str:
     """Package that grows them."""
-    return package_version("scikit-learn")
+    return package_version("scikit-learn", "sklearn.ensemble")
 
 
 def features(case: ArmCase, recording: Rows) -> np.ndarray:

@@ -12,7 +12,7 @@ NAME, CASES = "WLS", ArmCase
 
 def version() -> str:
     """Packages that compute it."""
-    return f"{package_version('numpy')}, {package_version('pin')}"
+    return f"{package_version('numpy')}, {package_version('pin', 'pinocchio')}"
 
 
 def layout(case: ArmCase) -> dict[str, int]:
