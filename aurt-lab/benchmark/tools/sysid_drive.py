@@ -18,7 +18,7 @@ from rollouts import Motion, motion
 from signals import Skipped, data_folder
 
 NAME, CASES = "mujoco.sysid", DriveCase
-TIP_M, STOP_RAD = (-0.0079, 0.0, -0.0981), -1.03
+TIP_M, STOP_RAD, ITERATIONS = (-0.0079, 0.0, -0.0981), -1.03, 15
 
 
 def version() -> str:
@@ -39,16 +39,17 @@ class Setting:
     fixed_gain: float
     fixed_damping: float
     floor: bool
-    # Damping, armature, friction loss, delay: those of AURT's experiment.
+    # Damping, armature, friction loss, delay.
     start: tuple[float, float, float, float]
 
 
 LEGS = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))
 SETTINGS = {
     "so101": Setting(
-        ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"), 0.01, (10.0, 1.0, 100.0), 0.0, 0.0, True, (0.5, 0.005, 0.06, 0.035)
+        ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll"),
+        0.01, (10.0, 1.0, 100.0), 0.0, 0.0, True, (0.5, 0.005, 0.06, 0.035),
     ),
-    "go2": Setting(LEGS, 0.005, None, 20.0, 1.5, False, (0.6, 0.01, 0.2, 0.0)),
+    "go2": Setting(LEGS, 0.005, None, 20.0, 1.5, False, (0.5, 0.01, 0.15, 0.02)),
 }
 
 
@@ -166,7 +167,7 @@ def solve(case: DriveCase) -> Result:
     motions = [motion(case, part) for part in case.calibration]
     fitted = sysid.build_residual_fn(models_sequences=sequences(spec, motions), modify_residual=delayed, n_threads=1)
     start = parameters(setting).move_off_bounds()
-    best = optimized(start, fitted, 10)
+    best = optimized(start, fitted, ITERATIONS)
     held_out = [motion(case, part) for part in case.held_out]
     judged = sysid.build_residual_fn(models_sequences=sequences(spec, held_out), modify_residual=delayed, n_threads=1)
     _, predictions, _ = judged(best.as_vector(), best)
