@@ -1,0 +1,1 @@
+"""Tools of the benchmark, one module each: `NAME`, `version()`, `solve(case)`."""
