@@ -172,3 +172,19 @@ impl NextMotion {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{KeepOut, parse_box};
+
+    #[test]
+    fn corners_of_a_box_come_in_any_order() {
+        let table = KeepOut { low_m: [-1.0, -1.0, -0.5], high_m: [1.0, 1.0, 0.0] };
+        assert_eq!(parse_box("1,-1, 0, -1,1,-0.5"), Ok(table));
+        for (text, said) in
+            [("1,2,3", "3 numbers"), ("a,0,0,1,1,1", "no number"), ("0,0,0,1,1,inf", "somewhere")]
+        {
+            assert!(parse_box(text).is_err_and(|e| e.contains(said)), "{text}");
+        }
+    }
+}

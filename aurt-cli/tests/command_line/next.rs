@@ -65,6 +65,9 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
             "{joint}: {planned:?} in {low} to {high}"
         );
     }
+    // The arm meets a box that it stands in, whatever it does.
+    let everywhere = format!("{line} --keep-out -2,-2,-2,2,2,2").replace("motion.csv", "kept.csv");
+    folder.aurt(everywhere.split(' ')).refused(&["--keep-out", "smaller boxes"]);
     // The plan is a motion that a scenario follows.
     let scenario = "robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"motion.csv\"\n";
     folder.write("scenario.toml", scenario);
@@ -84,6 +87,7 @@ fn plans_that_cannot_be_are_refused() {
     refused("--out motion.csv --until mas_kg<1", &["mas_kg", "aurt explain"]);
     refused("--out motion.csv --until mass_kg<-1", &["-1", "positive"]);
     refused("--out exciting_motion.csv", &["exciting_motion.csv"]);
+    refused("--out motion.csv --keep-out 1,2,3", &["--keep-out", "two corners"]);
     assert!(!folder.names().iter().any(|name| name.starts_with("motion")));
 }
 
