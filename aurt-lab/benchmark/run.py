@@ -62,7 +62,7 @@ def main() -> int:
     except ImportError as error:
         print(f"benchmark: skipped, the package {error.name} is not installed")
         return 0
-    from report import score, table
+    from report import Score, score, table
 
     from cases import CASES
     from signals import Skipped, data_folder
@@ -85,6 +85,9 @@ def main() -> int:
                 print(f"{case.name}, {tool.NAME}: {found}", file=sys.stderr, flush=True)
             except Skipped as reason:
                 print(f"{case.name}, {tool.NAME}: skipped, {reason}")
+            except Exception as error:  # A tool that fails ends its cell, not the run.
+                scores.setdefault(case.name, {})[tool.NAME] = Score("failed", None, 0.0)
+                print(f"{case.name}, {tool.NAME}: failed, {error!r}")
     names = list(dict.fromkeys(tool.NAME for tool in tools))
     print("\n" + table(scores, {case.name: case for case in CASES}, names))
     return 0

@@ -45,7 +45,7 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
     }
     vec![format!(
         "unphysical: negative inertia of a motor ({}). The estimate compensates for another error proportional to \
-         acceleration: a delay of the measurement, wrong torque constants, gravity or a sign that is the other way round, or badly \
+         acceleration: a delay of the measurement, wrong torque constants, gravity upside down, a wrong sign, or badly \
          excited bodies; run `aurt check`, then `aurt diagnose`",
         negative.join(", ")
     )]

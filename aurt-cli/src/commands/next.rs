@@ -49,7 +49,8 @@ pub struct NextMotion {
     #[arg(long, value_name = "LIMITS.csv")]
     limits: Option<PathBuf>,
     /// Box that the arm stays out of: two opposite corners in m in the base frame, `x,y,z,x,y,z`; may be given several times.
-    /// Lines between the origins of the links are kept out: add the arm's thickness, and the length of what the last link carries
+    /// Lines between the origins of the links are kept out: add the arm's thickness, the distance of links from these lines, and
+    /// what the last link carries. The way to the first pose is not planned
     #[arg(long, value_name = "CORNERS", value_parser = parse_box, allow_hyphen_values = true)]
     keep_out: Vec<KeepOut>,
     /// Longest duration in s
@@ -96,7 +97,7 @@ fn parse_box(text: &str) -> Result<KeepOut, String> {
         return Err(format!("{} numbers; give two corners, x,y,z,x,y,z", numbers.len()));
     };
     if !numbers.iter().all(|number| number.is_finite()) {
-        return Err("a corner has to be somewhere; write a large number for what has no end".into());
+        return Err("a corner needs finite coordinates; write a large number where the box has no end".into());
     }
     let sides = [[x, u], [y, v], [z, w]];
     Ok(KeepOut { low_m: sides.map(|[a, b]| a.min(b)), high_m: sides.map(|[a, b]| a.max(b)) })
@@ -182,7 +183,7 @@ mod tests {
         let table = KeepOut { low_m: [-1.0, -1.0, -0.5], high_m: [1.0, 1.0, 0.0] };
         assert_eq!(parse_box("1,-1, 0, -1,1,-0.5"), Ok(table));
         for (text, said) in
-            [("1,2,3", "3 numbers"), ("a,0,0,1,1,1", "no number"), ("0,0,0,1,1,inf", "somewhere")]
+            [("1,2,3", "3 numbers"), ("a,0,0,1,1,1", "no number"), ("0,0,0,1,1,inf", "finite")]
         {
             assert!(parse_box(text).is_err_and(|e| e.contains(said)), "{text}");
         }

@@ -66,7 +66,8 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
         );
     }
     // The arm meets a box that it stands in, whatever it does.
-    let everywhere = format!("{line} --keep-out -2,-2,-2,2,2,2").replace("motion.csv", "kept.csv");
+    let everywhere =
+        format!("{line} --keep-out -2,-2,-2,2,2,2").replace("--json --out motion.csv", "--out kept.csv");
     folder.aurt(everywhere.split(' ')).refused(&["--keep-out", "smaller boxes"]);
     // The plan is a motion that a scenario follows.
     let scenario = "robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"motion.csv\"\n";

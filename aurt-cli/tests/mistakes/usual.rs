@@ -197,12 +197,12 @@ pub const MISTAKES: &[Mistake] = &[
     mistake("position of joint 5 with the other sign", |w| position_sign(w, 5), &[&["joint 5", "sign"]]),
     mistake("position of joint 0 with the other sign", |w| position_sign(w, 0), &[&["joint 0", "sign"]]),
     everywhere(
-        "axis of joint 4 the other way",
+        "axis of joint 2 the other way",
         |w| {
-            position_sign(w, 4);
-            measurement_sign(w, 4);
+            position_sign(w, 2);
+            measurement_sign(w, 2);
         },
-        &[&["joint 4", "sign"]],
+        &[&["joint 2", "sign"]],
     ),
     mistake(
         "measurement of joint 0 with the other sign",

@@ -3,15 +3,15 @@
 //! Two explanations that describe the present recordings equally well predict different torques in other motions. For a motion
 //! that is not recorded yet, [`Discrimination`] computes by how much the rival would fit worse if one of them is true: the
 //! T-criterion of A. C. Atkinson and V. V. Fedorov (*The design of experiments for discriminating between two rival models*,
-//! Biometrika 62, 1975), with all coefficients of the rival fitted anew to the present recordings and the motion together, its law in all shapes from
-//! which the search began at once: more than one shape can do, so that D is rather too small.
+//! Biometrika 62, 1975), with all coefficients of the rival fitted anew to the present recordings and the motion together, its
+//! law in all shapes from which the search began at once.
 //! With S_B the second moments of the rival's columns X_B in the present recordings and β̂_A, β̂_B the fits to these,
 //!
 //! D_AB = ½ min_δ { ‖X_A β̂_A − X_B (β̂_B + δ)‖² + δᵀ S_B δ },
 //!
 //! rows in units of the noise and counted as far as they are independent. The logarithm of the ratio of likelihoods is then
 //! normal with mean D and variance 2 D, and the test by which a diagnosis tells two explanations apart (Student's t over blocks of
-//! time, one-sided, 5 %) decides with probability Φ(√(D/2) − t).
+//! time, one-sided, 5 %) decides with probability Φ(√(D/2) − t), with t of all blocks: an upper bound where few of them tell the two apart.
 //!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 

@@ -98,8 +98,8 @@ impl Problem {
         fit.folds.iter().enumerate().map(of_block).collect()
     }
 
-    /// How far the predictions of the nested model extended by one group and by another are apart on the test parts: their squared
-    /// differences, `[block][joint]`.
+    /// Squared differences of the predictions of the nested model extended by one group and by another on the test parts,
+    /// `[block][joint]`.
     #[must_use]
     pub(crate) fn apart_by_block(&self, fit: &NestedFit, one: &[Switch], other: &[Switch]) -> Vec<Vec<f64>> {
         let all: Vec<Switch> = fit.switches.iter().chain(one).chain(other).copied().collect();

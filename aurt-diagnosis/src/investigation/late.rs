@@ -54,8 +54,12 @@ const BEYOND: usize = 4;
 const FINE: f64 = 0.25;
 const CENTERINGS: usize = 4;
 
-/// Sections of the interval in which the lowest point is searched, each by the golden ratio: to 1e-8 of it.
-const SECTIONS: usize = 40;
+/// Places on each side at which the lowest point is looked for, and sections of the interval around the best, each by the golden
+/// ratio: to 1e-8 of it.
+const PLACES: i32 = 12;
+const SECTIONS: usize = 34;
+/// Share of the least of three errors below which a parabola through them says nothing.
+const LEAST_SHARE: f64 = 1e-3;
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// A delay within so many of its deviations of none is none.
@@ -232,25 +236,29 @@ impl Scan {
     /// parabola of the delay where this is short beside the periods of the motion; its logarithm is none.
     fn minimum(&self, around: &Around<'_>) -> (f64, f64) {
         let parabolas: Vec<[f64; 3]> = (0..self.effective.len()).map(|j| around.parabola(j)).collect();
+        // The error of a joint, its slope and its bend. Where a parabola through three errors reaches none, they are not of one.
         let error = |j: usize, u: f64| {
             let [constant, slope, bend] = parabolas[j];
-            let least = around.errors.iter().map(|e| e[j]).fold(self.floor[j], f64::min);
-            (constant + u * (slope + u * bend)).max(least).max(f64::MIN_POSITIVE)
+            let least = around.errors.iter().map(|e| LEAST_SHARE * e[j]).fold(f64::INFINITY, f64::min);
+            let mse = constant + u * (slope + u * bend);
+            let least = least.max(f64::MIN_POSITIVE);
+            if mse > least { [mse, slope + 2.0 * bend * u, 2.0 * bend] } else { [least, 0.0, 0.0] }
         };
         let value =
-            |u: f64| (0..parabolas.len()).map(|j| self.effective[j] * libm::log(error(j, u))).sum::<f64>();
-        let [mut low, mut high] = [-1.0, 1.0];
+            |u: f64| (0..parabolas.len()).map(|j| self.effective[j] * libm::log(error(j, u)[0])).sum::<f64>();
+        // Joints with minima of their own make several: the lowest of some places, and its neighbourhood.
+        let places = (-PLACES..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+        let lowest = places.min_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(0.0);
+        let [mut low, mut high] = [-1.0, 1.0].map(|by| (lowest + by / f64::from(PLACES)).clamp(-1.0, 1.0));
         for _ in 0..SECTIONS {
             let inner = GOLDEN * (high - low);
             if value(high - inner) < value(low + inner) { high = low + inner } else { low = high - inner }
         }
         let u = 0.5 * (low + high);
-        // The derivative of the slope, with that of the errors' bends.
         let curvature: f64 = (0..parabolas.len())
             .map(|j| {
-                let [_, slope, bend] = parabolas[j];
-                let mse = error(j, u);
-                self.effective[j] * (2.0 * bend / mse - ((slope + 2.0 * bend * u) / mse).powi(2))
+                let [mse, slope, bend] = error(j, u);
+                self.effective[j] * (bend / mse - (slope / mse).powi(2))
             })
             .sum();
         (around.at_s + u * around.step_s, around.step_s / curvature.sqrt())
@@ -496,6 +504,10 @@ mod tests {
         let error = |k: i32| 1.0 + 80.0 * (f64::from(k) - 0.32).powi(2);
         let found = scan((-1..5).map(|k| vec![error(k); 3]).collect()).size().unwrap();
         assert!((found[0] - 0.32 * 0.002).abs() < 1e-8, "{found:?}");
+        // Floors above the errors do not hide the minimum.
+        let mut high = scan((-1..5).map(|k| vec![0.8 * error(k); 3]).collect());
+        high.floor = vec![20.0; 3];
+        assert!((high.size().unwrap()[0] - 0.32 * 0.002).abs() < 1e-8);
     }
 
     #[test]

@@ -309,7 +309,11 @@ impl Scoring<'_> {
     }
 }
 
-/// Whether differences of log-likelihoods, a block of time each, are clear of none; beside each what the motion makes of it.
+/// Expected evidence below this is rounding: 1e-16 of a measurement whose squares count 1e13 nats at most.
+const ROUNDING: f64 = 1e-3;
+
+/// The test of differences of log-likelihoods, a block of time each, against none; beside each what the motion makes of it. What
+/// differs by less than rounding does is not tested.
 fn is_better(blocks: &[[f64; 2]]) -> bool {
     let sum = |of: &dyn Fn(&[f64; 2]) -> f64| blocks.iter().map(of).sum::<f64>();
     let deviation = sum(&|[worse, apart]| (worse - apart).powi(2)).sqrt();
@@ -317,7 +321,7 @@ fn is_better(blocks: &[[f64; 2]]) -> bool {
     let most = blocks.len().saturating_sub(1).max(1) as f64;
     // Two of the same errors give no number.
     let t = sum(&|[worse, _]| *worse) / deviation;
-    freedom.is_finite() && t > student(ONE_SIDED_5, freedom.clamp(1.0, most))
+    sum(&|[_, apart]| *apart) > ROUNDING && t > student(ONE_SIDED_5, freedom.clamp(1.0, most))
 }
 
 /// What is lost without an effect.

@@ -418,7 +418,7 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     };
     assert_eq!((first(plain), first(own)), (1, 4));
     assert!([plain, own].iter().all(|s| s.recorded.drop == Some(DroppedRows::NotANumber)));
-    assert_eq!((plain.unit, own.unit), (Some(MeasurementUnit::Ampere), Some(MeasurementUnit::NewtonMeter)));
+    assert_eq!((plain.unit, own.unit), (Some(MeasurementUnit::Ampere), Some(MeasurementUnit::NewtonMetre)));
     let joined = |k: usize| {
         let r = &own.recorded.joined[k].recorded;
         (r.current, r.angle, r.time)

@@ -1,6 +1,6 @@
 //! Boxes that the arm stays out of.
 
-use aurt_rbd::{LinkFrame, SerialChain};
+use aurt_rbd::{Joint, JointKind, LinkFrame, SerialChain};
 use aurt_simulation::{SimulationError, Trajectory};
 
 /// A box along the axes of the base frame.
@@ -13,7 +13,7 @@ pub struct KeepOut {
 }
 
 impl KeepOut {
-    /// Whether a straight line between two points meets the box: its parameters within each pair of faces overlap.
+    /// True if a straight line between two points meets the box: its parameters within each pair of faces overlap.
     fn meets(&self, from_m: [f64; 3], to_m: [f64; 3]) -> bool {
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
@@ -45,8 +45,14 @@ pub(super) struct Surroundings {
 const LOOKS_HZ: f64 = 100.0;
 
 impl Surroundings {
-    /// Whether the lines between the origins of neighbouring links stay out of all boxes during a motion. The line to the first
-    /// link does not move and is left out.
+    /// True if some line of the arm moves.
+    pub(super) fn has_lines(&self) -> bool {
+        let slides = |joint: &Joint| joint.kind == JointKind::Prismatic;
+        self.chain.joints().len() > 1 || self.chain.joints().iter().any(slides)
+    }
+
+    /// True if lines between the origins of neighbouring links stay out of all boxes during a motion. The line from the base to a
+    /// link on it counts where that link slides; otherwise it does not move.
     pub(super) fn allow(&self, motion: &Trajectory) -> Result<bool, SimulationError> {
         let mut allowed = true;
         let mut frames: Vec<LinkFrame> = Vec::new();
@@ -56,8 +62,12 @@ impl Surroundings {
             }
             self.chain.link_frames(q_rad, &mut frames);
             let lines = (0..frames.len()).filter_map(|link| {
-                let parent = self.chain.parent(link)?;
-                Some([frames[parent].origin_m, frames[link].origin_m])
+                let from_m = match self.chain.parent(link) {
+                    Some(parent) => frames[parent].origin_m,
+                    None if self.chain.joints()[link].kind == JointKind::Prismatic => [0.0; 3],
+                    None => return None,
+                };
+                Some([from_m, frames[link].origin_m])
             });
             allowed = !lines.into_iter().any(|[from, to]| self.boxes.iter().any(|b| b.meets(from, to)));
         })?;

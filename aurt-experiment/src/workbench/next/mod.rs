@@ -92,7 +92,7 @@ pub struct Open {
 
 /// Most pieces of a motion: doubts of different kinds need motions of different kinds.
 const PIECES: usize = 8;
-/// Pieces of full length: half of those that are drawn, the others are half as long and fill what is left.
+/// Most pieces of full length. Half of the pieces that are drawn have it; the others are half as long, to fill what is left.
 const FULL_PIECES: usize = 4;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
@@ -136,15 +136,20 @@ fn surroundings_of(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<
     }
     let robot = &experiment.robot;
     let chain = robot.geometry.chain(robot.gravity_m_s2)?;
+    let refuse = |reason: &str| {
+        let remedy = "keep the arm away with --limits".into();
+        Err(Failure::Argument { option: "--keep-out", reason: reason.into(), remedy })
+    };
     if chain.joints().len() != robot.robot_joints().count {
-        return Err(Failure::Argument {
-            option: "--keep-out",
-            reason: "joints of this robot follow others (mimic), and such motions are not laid beside boxes"
-                .into(),
-            remedy: "keep the arm away with --limits".into(),
-        });
+        return refuse(
+            "joints of this robot follow others (mimic), and their motions are not compared with boxes",
+        );
     }
-    Ok(Some(Surroundings { chain, boxes: boxes.to_vec() }))
+    let surroundings = Surroundings { chain, boxes: boxes.to_vec() };
+    if !surroundings.has_lines() {
+        return refuse("a robot with one joint that turns has no line between the origins of two links");
+    }
+    Ok(Some(surroundings))
 }
 
 struct Planner<'a> {
@@ -297,7 +302,7 @@ impl<'a> Planner<'a> {
             let (option, what, remedy) = refusal;
             return Err(Failure::Argument {
                 option,
-                reason: format!("no motion of {piece_s:.1} s {what}"),
+                reason: format!("no motion of up to {piece_s:.1} s {what}"),
                 remedy: remedy.into(),
             });
         }
