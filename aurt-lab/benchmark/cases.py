@@ -22,11 +22,10 @@ class Part:
 
 @dataclass(frozen=True)
 class Truth:
-    """A known value; errors are relative to `scale`, the value itself unless it is zero."""
+    """A known value."""
 
     value: float
     unit: str
-    scale: float | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ ARMS = (
     _ur10e(
         "ur10e_no_load", "UR10e, unchanged",
         (Part(UNLOADED), Part(EXCITED_50, loaded=True)), (Part(EXCITED_20, loaded=True),),
-        load_link=5, truth={"load_kg": Truth(0.0, "kg", 1.0)},
+        load_link=5, truth={"load_kg": Truth(0.0, "kg")},
     ),
     _ur10e(
         "ur10e_torque", "UR10e, torque",

@@ -16,7 +16,6 @@ class Result:
 
     values: dict[str, float] = field(default_factory=dict)
     predictions: list[np.ndarray] | None = None
-    note: str = ""
 
 
 def processor_s() -> float:

@@ -66,7 +66,6 @@ pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
 pub use inertia::{Inconsistency, LinkBody, inconsistencies};
 pub use joint::{Joint, JointKind, Parent, Placement};
-pub use kernel::Operations;
 pub use kinematics::LinkFrame;
 pub use mdh::{MdhRow, MdhRows, MdhTable};
 pub use plausible::{

@@ -114,25 +114,6 @@ impl SerialChain {
         kernel::torque(level, self, motion, standard, (out, stride));
     }
 
-    /// What one evaluation of a tile with these destinations needs, for comparing times with what a processor can do;
-    /// `destination[joint · 10 N + parameter]` as in [`RegressorTile`].
-    ///
-    /// # Panics
-    /// If there are not N · 10 N destinations.
-    #[must_use]
-    pub fn operations(&self, destination: &[u32]) -> kernel::Operations {
-        let joints = self.joints().len();
-        assert_eq!(destination.len(), joints * joints * INERTIAL_PARAMETERS, "destinations");
-        let zeros = vec![0.0; joints];
-        let Ok(motion) = Motion::new(joints, vec![0.0], zeros.clone(), zeros.clone(), zeros) else {
-            return kernel::Operations::default();
-        };
-        let columns = destination.iter().map(|d| d.wrapping_add(1)).max().unwrap_or(0) as usize;
-        let mut data = vec![0.0; columns];
-        let parameters = joints * INERTIAL_PARAMETERS;
-        kernel::count(self, motion.view(), &mut RegressorTile::new(destination, parameters, 1, 1, &mut data))
-    }
-
     /// The whole regressor Y of one sample, N rows of 10 N, row after row; a convenience for small work.
     ///
     /// # Panics

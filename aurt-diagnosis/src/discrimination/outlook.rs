@@ -5,7 +5,6 @@ use super::motion::{MotionMoments, add};
 use super::{Discrimination, decided};
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::Cholesky;
-use crate::evidence::problem::Problem;
 use crate::hypotheses::group::Switch;
 use crate::verdict::reported;
 use crate::vocabulary::OwnFriction;
@@ -113,7 +112,7 @@ impl Discrimination<'_> {
         let size = {
             let values: Vec<f64> =
                 a.iter().zip(&truth.coefficients).filter(|(s, _)| !b.contains(s)).map(|(_, v)| *v).collect();
-            quadratic(problem, &planned.moments, &own, &values, w)
+            problem.quadratic(&planned.moments, &own, &values, w)
         };
         let products = problem.cross(&planned.moments, b, a, w);
         let gram = problem.cross(&planned.moments, b, b, w);
@@ -133,7 +132,7 @@ impl Discrimination<'_> {
             }
         }
         let (switches, values): (Vec<Switch>, Vec<f64>) = difference.into_iter().unzip();
-        let far = quadratic(problem, &planned.moments, &switches, &values, w);
+        let far = problem.quadratic(&planned.moments, &switches, &values, w);
         let mut information = problem.cross(problem.total(), b, b, w);
         information.iter_mut().zip(&gram).for_each(|(sum, new)| *sum += new);
         let near = dot(&gradient, &Cholesky::new(&information, n).solve(&gradient));
@@ -193,19 +192,6 @@ impl Discrimination<'_> {
 struct Apart {
     nats: f64,
     free: f64,
-}
-
-/// βᵀ XᵀX β, rows weighted.
-fn quadratic(
-    problem: &Problem,
-    moments: &[Vec<Moments>; 2],
-    switches: &[Switch],
-    values: &[f64],
-    weights: &[f64],
-) -> f64 {
-    let gram = problem.cross(moments, switches, switches, weights);
-    let n = switches.len();
-    values.iter().enumerate().map(|(k, value)| value * dot(&gram[k * n..(k + 1) * n], values)).sum()
 }
 
 /// Moments of the present recordings and of a motion.

@@ -98,31 +98,28 @@ impl Problem {
         fit.folds.iter().enumerate().map(of_block).collect()
     }
 
-    /// Squared differences of the predictions of the nested model extended by one group and by another on the test parts,
-    /// `[block][joint]`.
+    /// Σ_j weight_j Σ d² on each test part, with d the difference of the predictions of the nested model extended by one group and by
+    /// another.
     #[must_use]
-    pub(crate) fn apart_by_block(&self, fit: &NestedFit, one: &[Switch], other: &[Switch]) -> Vec<Vec<f64>> {
+    pub(crate) fn apart_by_block(
+        &self,
+        fit: &NestedFit,
+        one: &[Switch],
+        other: &[Switch],
+        weights: &[f64],
+    ) -> Vec<f64> {
         let all: Vec<Switch> = fit.switches.iter().chain(one).chain(other).copied().collect();
+        let nested = fit.switches.len();
         let of_block = |(b, fold): (usize, &Fold)| {
             let (train, test) = self.fold(b);
             let extended =
                 |group| self.extend_from(train, (&fold.fit, &fold.likely), &fit.places, group, &fit.weights);
             let (of_one, of_other) = (extended(one), extended(other));
-            let nested = fit.switches.len();
             let common = of_one[..nested].iter().zip(&of_other[..nested]).map(|(a, b)| a - b);
             let opposite = of_other[nested..].iter().map(|value| -value);
             let difference: Vec<f64> =
                 common.chain(of_one[nested..].iter().copied()).chain(opposite).collect();
-            // ‖Xδ‖² = ½ (‖y − Xδ‖² + ‖y + Xδ‖²) − ‖y‖².
-            let [plus, minus, none] = [1.0, -1.0, 0.0].map(|factor: f64| {
-                let beta: Vec<f64> = difference.iter().map(|value| factor * value).collect();
-                self.squared_errors(test, &all, &beta)
-            });
-            let of_joint = |j: usize| {
-                let sum = |errors: &[Vec<f64>; 2]| errors[0][j] + errors[1][j];
-                (0.5 * (sum(&plus) + sum(&minus)) - sum(&none)).max(0.0)
-            };
-            (0..self.joints()).map(of_joint).collect()
+            self.quadratic(test, &all, &difference, weights).max(0.0)
         };
         fit.folds.iter().enumerate().map(of_block).collect()
     }

@@ -120,6 +120,18 @@ impl Problem {
         (&self.training[block], &self.moments.parts[block])
     }
 
+    /// Σ_j weight_j ‖X β‖² over a set of moments.
+    pub(crate) fn quadratic(
+        &self,
+        moments: &[Vec<Moments>; 2],
+        switches: &[Switch],
+        beta: &[f64],
+        weights: &[f64],
+    ) -> f64 {
+        let gram = self.cross(moments, switches, switches, weights);
+        beta.iter().zip(gram.chunks_exact(beta.len().max(1))).map(|(b, row)| b * dot(row, beta)).sum()
+    }
+
     /// Σ_j weight_j X_aᵀX_b over a set of moments, column-major |a| × |b|.
     pub(crate) fn cross(
         &self,

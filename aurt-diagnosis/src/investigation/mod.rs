@@ -2,6 +2,7 @@
 
 mod agreement;
 mod contacts;
+mod delay_scan;
 mod earned;
 mod fitted;
 mod gears;
@@ -12,6 +13,7 @@ mod reselected;
 mod reshaped;
 mod selecting;
 mod settled;
+mod shifted;
 
 pub use earned::Indicated;
 pub(crate) use earned::{WORSE, concerned, earn};

@@ -176,8 +176,8 @@ impl Scoring<'_> {
         best - (self.options.tie * best).max(self.options.tie_nats)
     }
 
-    /// Whether blocks of time that were not fitted to leave open which of two groups is better: the sum over blocks of the
-    /// difference of their log-likelihoods is less of its deviations than Student's t says with 95 %.
+    /// The question which of two groups is better, left open by blocks of time that were not fitted to: the sum over blocks of the
+    /// difference of their log-likelihoods is fewer of its deviations than Student's t says with 95 %.
     ///
     /// As in Q. H. Vuong's test (*Econometrica* 57, 1989), but given the motion. If the better one is true, a block's difference is
     /// Σd² + 2Σde, with d what both predict differently and e the error: d is known, and 2Σde alone is uncertain. A motion in which
@@ -187,20 +187,21 @@ impl Scoring<'_> {
         let problem = self.ground.problem();
         let [of_group, of_rival] = [group, rival].map(|g| &self.groups[g].switches[..]);
         let [own, other] = [of_group, of_rival].map(|g| problem.held_out_by_block(&fit.nested, g));
-        let apart = problem.apart_by_block(&fit.nested, of_group, of_rival);
         let rows: Vec<f64> = (0..problem.joints()).map(|j| problem.rows(j, false).max(1.0)).collect();
         let per_square = |j: usize| {
             let left = own.iter().map(|block| block[j]).sum::<f64>() / rows[j];
             0.5 * fit.shares[j] / left.max(self.floor[j]).max(f64::MIN_POSITIVE)
         };
         let weights: Vec<f64> = (0..problem.joints()).map(per_square).collect();
-        let weighed = |of: &dyn Fn(usize) -> f64| -> f64 {
-            weights.iter().enumerate().map(|(j, weight)| weight * of(j)).sum()
+        let apart = problem.apart_by_block(&fit.nested, of_group, of_rival, &weights);
+        let worse = |(own, other): (&Vec<f64>, &Vec<f64>)| -> f64 {
+            own.iter().zip(other).zip(&weights).map(|((own, other), w)| w * (other - own)).sum()
         };
-        let blocks = (0..own.len())
-            .map(|b| [weighed(&|j| other[b][j] - own[b][j]), weighed(&|j| apart[b][j])])
-            .collect::<Vec<_>>();
-        !is_better(&blocks)
+        let blocks: Vec<[f64; 2]> =
+            own.iter().zip(&other).map(worse).zip(apart).map(|(worse, apart)| [worse, apart]).collect();
+        // What is expected to tell no more than a tie does is one.
+        let expected: f64 = blocks.iter().map(|[_, apart]| apart).sum();
+        expected < self.options.tie_nats || !is_better(&blocks)
     }
 
     /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
@@ -309,11 +310,7 @@ impl Scoring<'_> {
     }
 }
 
-/// Expected evidence below this is rounding: 1e-16 of a measurement whose squares count 1e13 nats at most.
-const ROUNDING: f64 = 1e-3;
-
-/// The test of differences of log-likelihoods, a block of time each, against none; beside each what the motion makes of it. What
-/// differs by less than rounding does is not tested.
+/// The test of differences of log-likelihoods, a block of time each, against none; beside each what the motion makes of it.
 fn is_better(blocks: &[[f64; 2]]) -> bool {
     let sum = |of: &dyn Fn(&[f64; 2]) -> f64| blocks.iter().map(of).sum::<f64>();
     let deviation = sum(&|[worse, apart]| (worse - apart).powi(2)).sqrt();
@@ -321,7 +318,7 @@ fn is_better(blocks: &[[f64; 2]]) -> bool {
     let most = blocks.len().saturating_sub(1).max(1) as f64;
     // Two of the same errors give no number.
     let t = sum(&|[worse, _]| *worse) / deviation;
-    sum(&|[_, apart]| *apart) > ROUNDING && t > student(ONE_SIDED_5, freedom.clamp(1.0, most))
+    freedom.is_finite() && t > student(ONE_SIDED_5, freedom.clamp(1.0, most))
 }
 
 /// What is lost without an effect.

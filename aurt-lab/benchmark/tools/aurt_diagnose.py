@@ -48,7 +48,6 @@ def solve(case: ArmCase) -> Result:
         held_out = recordings(case, scratch, validation=case.held_out).partition("\n")[2]
         improved.write_text(re.sub(r"^\[recordings\]\n", f"[recordings]\n{held_out}", improved.read_text(), flags=re.M))
         call("run", "--quiet", improved, "--out", scratch / "out")
-        effects = sorted({effect["effect"] for effect in verdict["effects"]})
         values = {name: first(value) for name, value in claimed(case, verdict).items()}
         values = coefficients(case, scratch / "out") | values
-        return Result(values, predictions(case, scratch / "out"), ", ".join(effects))
+        return Result(values, predictions(case, scratch / "out"))

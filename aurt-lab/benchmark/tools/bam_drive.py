@@ -10,7 +10,7 @@ from cases import DriveCase
 from result import Result
 from rollouts import Motion, motion
 from signals import Skipped
-from tools.bam_tool import SEED, version as version
+from tools.bam_tool import SEED, best, version as version
 from tools.sysid_drive import SETTINGS, description
 
 NAME, CASES = "BAM", DriveCase
@@ -64,21 +64,12 @@ def fit(name: str, spec, names: tuple[str, ...], motions: list[Motion]) -> tuple
     """Mean absolute error and model."""
     import optuna
 
-    def objective(trial) -> float:
-        model = servo(name)
-        for key, parameter in model.get_parameters().items():
-            if parameter.optimize:
-                parameter.value = trial.suggest_float(key, parameter.min, parameter.max)
-        errors = [np.abs(simulated(spec, names, model, m) - m.q).mean() for m in motions]
-        return float(np.mean(errors))
+    def error(model) -> float:
+        return float(np.mean([np.abs(simulated(spec, names, model, m) - m.q).mean() for m in motions]))
 
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
     start = {key: p.value for key, p in servo(name).get_parameters().items() if p.optimize}
-    study = optuna.create_study(sampler=optuna.samplers.CmaEsSampler(x0=start, seed=SEED))
-    study.optimize(objective, n_trials=TRIALS)
-    model = servo(name)
-    model.load_parameters_from_dict(study.best_params)
-    return study.best_value, model
+    sampler = optuna.samplers.CmaEsSampler(x0=start, seed=SEED)
+    return best(lambda: servo(name), error, sampler, TRIALS)
 
 
 def solve(case: DriveCase) -> Result:
@@ -96,4 +87,4 @@ def solve(case: DriveCase) -> Result:
     motions = [stretch(motion(case, part), k) for k, part in enumerate(case.calibration)]
     _, model = min((fit(name, spec, setting.joints, motions) for name in MODELS), key=lambda found: found[0])
     held_out = [motion(case, part) for part in case.held_out]
-    return Result({}, [simulated(spec, setting.joints, model, m) for m in held_out], model.title)
+    return Result({}, [simulated(spec, setting.joints, model, m) for m in held_out])

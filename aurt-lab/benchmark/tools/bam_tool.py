@@ -6,6 +6,7 @@ servos on a pendulum; arms of several joints are no cases of its identification.
 
 import contextlib
 import io
+from collections.abc import Callable
 
 import numpy as np
 
@@ -83,30 +84,40 @@ def batch(case: ArmCase) -> dict:
     return {"dt": 1 / case.rate_hz, "entries": entries}
 
 
+def best(make: Callable, error: Callable, sampler, trials: int) -> tuple[float, object]:
+    """Least error and the model that has it; the search of `bam.fit` without its command line."""
+    import optuna
+
+    def objective(trial) -> float:
+        model = make()
+        for key, parameter in model.get_parameters().items():
+            if parameter.optimize:
+                parameter.value = trial.suggest_float(key, parameter.min, parameter.max)
+        return error(model)
+
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    study = optuna.create_study(sampler=sampler)
+    study.optimize(objective, n_trials=trials)
+    model = make()
+    model.load_parameters_from_dict(study.best_params)
+    return study.best_value, model
+
+
 def fit(name: str, log: dict) -> tuple[float, object]:
-    """Mean absolute error of the positions, and the model; `bam.fit` without its command line."""
+    """Mean absolute error of the positions, and the model."""
     import optuna
     from bam.simulate import Simulator
 
     measured = np.array([entry["position"] for entry in log["entries"]])
 
-    def objective(trial) -> float:
-        model = model_of(name)
-        for key, parameter in model.get_parameters().items():
-            if parameter.optimize:
-                parameter.value = trial.suggest_float(key, parameter.min, parameter.max)
+    def error(model) -> float:
         with np.errstate(all="ignore"):
             positions, _, _ = Simulator(model).rollout_log(log)
         return float(np.mean(np.abs(np.array(positions) - measured)))
 
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
     with contextlib.redirect_stderr(io.StringIO()):
         sampler = optuna.samplers.CmaEsSampler(restart_strategy="bipop", seed=SEED)
-    study = optuna.create_study(sampler=sampler)
-    study.optimize(objective, n_trials=TRIALS)
-    model = model_of(name)
-    model.load_parameters_from_dict(study.best_params)
-    return study.best_value, model
+    return best(lambda: model_of(name), error, sampler, TRIALS)
 
 
 def solve(case: ArmCase) -> Result:
@@ -127,4 +138,4 @@ def solve(case: ArmCase) -> Result:
         force = predicted_force(values | {"viscous": 0.0, "coulomb": 0.0}, recording)
         loss, damping = model.compute_frictions(recording.torque, 0.0, recording.qd)
         predictions.append(force + loss * np.sign(recording.qd) + damping * recording.qd)
-    return Result(values, predictions, model.title)
+    return Result(values, predictions)

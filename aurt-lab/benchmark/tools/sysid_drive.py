@@ -171,5 +171,4 @@ def solve(case: DriveCase) -> Result:
     held_out = [motion(case, part) for part in case.held_out]
     judged = sysid.build_residual_fn(models_sequences=sequences(spec, held_out), modify_residual=delayed, n_threads=1)
     _, predictions, _ = judged(best.as_vector(), best)
-    note = ", ".join(f"{name} {p.value[0]:.3g}" for name, p in best.items())
-    return Result({}, [p[0].data for p in predictions], note)
+    return Result({}, [p[0].data for p in predictions])

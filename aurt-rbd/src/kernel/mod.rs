@@ -8,7 +8,6 @@
 mod block;
 mod lanes;
 mod motion;
-mod operations;
 mod plan;
 mod sine_cosine;
 mod slide;
@@ -28,9 +27,7 @@ use slide::{slide_carry, slide_carry_previous, slide_first_link, slide_next_link
 
 pub(crate) use block::possible_entries;
 pub(crate) use motion::{Branching, Place};
-pub(crate) use operations::count;
 
-pub use operations::Operations;
 pub(crate) use sine_cosine::sine_cosine_of;
 pub(crate) use torque::torque;
 

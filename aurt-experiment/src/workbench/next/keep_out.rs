@@ -32,19 +32,19 @@ impl KeepOut {
     }
 }
 
-/// An arm among boxes.
+/// The check of an arm's motions against boxes.
 #[derive(Debug)]
-pub(super) struct Surroundings {
+pub(super) struct KeepOutCheck {
     /// Geometry of the arm.
     pub(super) chain: SerialChain,
-    /// What it stays out of.
+    /// Boxes that it stays out of.
     pub(super) boxes: Vec<KeepOut>,
 }
 
 /// Poses per second at which a motion is looked at: at 2 m/s a point moves 2 cm in between.
 const LOOKS_HZ: f64 = 100.0;
 
-impl Surroundings {
+impl KeepOutCheck {
     /// True if some line of the arm moves.
     pub(super) fn has_lines(&self) -> bool {
         let slides = |joint: &Joint| joint.kind == JointKind::Prismatic;

@@ -5,6 +5,7 @@
 //! finds those that together settle most: that maximise the expected number of settled doubts.
 
 mod keep_out;
+mod limits;
 mod text;
 
 pub use keep_out::KeepOut;
@@ -13,18 +14,18 @@ use aurt::Progress;
 use aurt_diagnosis::discrimination::{
     DeviationGoal, Discrimination, Doubt, Interval, MotionMoments, Outlook, Subject,
 };
-use aurt_diagnosis::{DiagnosisError, Question, QuestionedRecording};
+use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
 use aurt_recording::{ReadReport, RecordedJoints, Recording};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
-use aurt_traits::RobotNames;
 use rayon::prelude::*;
 
 use crate::Experiment;
 use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
 use crate::workbench::failure::Failure;
-use keep_out::Surroundings;
+use keep_out::KeepOutCheck;
+use limits::limits_of;
 
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
@@ -33,7 +34,7 @@ pub struct NextOptions {
     pub diagnosis: DiagnosisOptions,
     /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
     pub limits: Option<Vec<MotionLimits>>,
-    /// What the arm stays out of.
+    /// Boxes that the arm stays out of.
     pub keep_out: Vec<KeepOut>,
     /// Deviations that parameters shall have at most.
     pub wanted: Vec<DeviationGoal>,
@@ -98,10 +99,6 @@ const FULL_PIECES: usize = 4;
 const NO_DOUBT: f64 = 1e-6;
 /// Shortest time of a piece, s.
 const SHORTEST_S: f64 = 4.0;
-/// A joint that never moved may turn within this, rad, and at this speed, rad/s: nothing says that it may move farther.
-const STANDING: [f64; 2] = [0.005, 0.02];
-/// Time to the full speed of such a joint, s.
-const TO_FULL_SPEED_S: f64 = 0.5;
 /// The probability of which the time is told that a doubt would take.
 const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
@@ -119,18 +116,18 @@ pub fn plan_next(
     options: &NextOptions,
     progress: &Progress,
 ) -> Result<Next, Failure> {
-    let surroundings = surroundings_of(experiment, &options.keep_out)?;
+    let check = keep_out_check(experiment, &options.keep_out)?;
     diagnoser(experiment, registry, &options.diagnosis, progress)?.ask(
         progress,
         |question, investigation, registry| {
             let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
-            Planner::new(question, &doubts, options, surroundings.as_ref())?.plan(progress)
+            Planner::new(question, &doubts, options, check.as_ref())?.plan(progress)
         },
     )
 }
 
-/// The arm among boxes, if there are some.
-fn surroundings_of(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<Surroundings>, Failure> {
+/// The check of motions against boxes, if there are some.
+fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<KeepOutCheck>, Failure> {
     if boxes.is_empty() {
         return Ok(None);
     }
@@ -145,18 +142,18 @@ fn surroundings_of(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<
             "joints of this robot follow others (mimic), and their motions are not compared with boxes",
         );
     }
-    let surroundings = Surroundings { chain, boxes: boxes.to_vec() };
-    if !surroundings.has_lines() {
+    let check = KeepOutCheck { chain, boxes: boxes.to_vec() };
+    if !check.has_lines() {
         return refuse("a robot with one joint that turns has no line between the origins of two links");
     }
-    Ok(Some(surroundings))
+    Ok(Some(check))
 }
 
 struct Planner<'a> {
     question: &'a Question<'a>,
     discrimination: &'a Discrimination<'a>,
     options: &'a NextOptions,
-    surroundings: Option<&'a Surroundings>,
+    check: Option<&'a KeepOutCheck>,
     limits: Vec<MotionLimits>,
     notes: Vec<String>,
     rate_hz: f64,
@@ -176,7 +173,7 @@ impl<'a> Planner<'a> {
         question: &'a Question<'a>,
         discrimination: &'a Discrimination<'a>,
         options: &'a NextOptions,
-        surroundings: Option<&'a Surroundings>,
+        check: Option<&'a KeepOutCheck>,
     ) -> Result<Self, Failure> {
         let joints = question.model.joints();
         let (limits, mut notes) = match &options.limits {
@@ -206,7 +203,7 @@ impl<'a> Planner<'a> {
             question,
             discrimination,
             options,
-            surroundings,
+            check,
             limits,
             notes,
             rate_hz,
@@ -290,7 +287,7 @@ impl<'a> Planner<'a> {
         }
         let mut refusal =
             ("--duration-s", "fits into the limits", "give more time, or wider limits with --limits");
-        if !drawn.is_empty() && self.surroundings.is_some() {
+        if !drawn.is_empty() && self.check.is_some() {
             drawn.retain(|(motion, _)| self.is_allowed(motion));
             refusal = (
                 "--keep-out",
@@ -330,9 +327,9 @@ impl<'a> Planner<'a> {
         Ok(safe)
     }
 
-    /// Whether a motion stays out of what the arm is kept out of.
+    /// True for motions that no box forbids.
     fn is_allowed(&self, motion: &Trajectory) -> bool {
-        self.surroundings.is_none_or(|surroundings| surroundings.allow(motion).unwrap_or(false))
+        self.check.is_none_or(|check| check.allow(motion).unwrap_or(false))
     }
 
     /// A piece of one kind: the arm in a part of its range, or in all of it.
@@ -466,37 +463,4 @@ impl<'a> Planner<'a> {
 fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
     let first = pieces.next()?.planned.clone();
     Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))
-}
-
-/// The limits that recordings show: where each joint has been, and how fast.
-fn limits_of(recordings: &[QuestionedRecording], names: RobotNames<'_>) -> (Vec<MotionLimits>, Vec<String>) {
-    let joints = recordings.first().map_or(0, |r| r.raw.joints());
-    let mut standing = Vec::new();
-    let mut of_joint = |j: usize| {
-        let motions = || recordings.iter().flat_map(|r| &r.data.data.segments).map(|s| s.motion.view());
-        let most = |series: &[f64], most: f64| series.iter().fold(most, |most, v| most.max(v.abs()));
-        let positions = || motions().flat_map(|m| m.position_rad(j));
-        let mut range = [
-            positions().fold(f64::INFINITY, |low, q| low.min(*q)),
-            positions().fold(f64::NEG_INFINITY, |high, q| high.max(*q)),
-        ];
-        let mut velocity_rad_s = motions().fold(0.0, |v, m| most(m.velocity_rad_s(j), v));
-        let mut acceleration_rad_s2 = motions().fold(0.0, |a, m| most(m.acceleration_rad_s2(j), a));
-        if range[1] - range[0] < 2.0 * STANDING[0] || velocity_rad_s < STANDING[1] {
-            standing.push(j);
-            let middle = 0.5 * (range[0] + range[1]);
-            range = [middle - STANDING[0], middle + STANDING[0]];
-            velocity_rad_s = STANDING[1];
-            acceleration_rad_s2 = STANDING[1] / TO_FULL_SPEED_S;
-        }
-        MotionLimits { position_rad: range, velocity_rad_s, acceleration_rad_s2 }
-    };
-    let limits = (0..joints).map(&mut of_joint).collect();
-    let mut notes = vec![
-        "limits: what the recordings show of positions, speeds, accelerations and torques; --limits gives others".to_owned(),
-    ];
-    if !standing.is_empty() {
-        notes.push(format!("never moved, and hardly moved in the plan: {}", names.joint_list(&standing)));
-    }
-    (limits, notes)
 }

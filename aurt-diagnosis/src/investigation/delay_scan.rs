@@ -1,0 +1,352 @@
+//! Delays of the measurement, or of positions, scanned.
+
+use std::collections::VecDeque;
+
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::total::free_first;
+use crate::hypotheses::group::{Group, Switch};
+use crate::investigation::Investigation;
+use crate::investigation::agreement::agreement;
+use crate::investigation::shifted::shift;
+use crate::recordings::rows::Instrument;
+use crate::request::Question;
+use crate::vocabulary::Addition;
+
+/// A delay of the measurement, or of positions where it is below zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Delay {
+    /// By how much, s.
+    pub delay_s: f64,
+    /// Its standard deviation, s.
+    pub std_s: f64,
+    /// Evidence in nats.
+    pub score: f64,
+    /// Whether only the target recordings are late.
+    pub target_only: bool,
+}
+
+/// Steps of the scan per period of `f_dyn_hz`: V is a parabola over several of them.
+const STEPS_PER_PERIOD: f64 = 40.0;
+
+/// Steps of the scan: up to a whole period.
+const STEPS: usize = 40;
+
+/// Steps behind the lowest point after which the scan ends.
+const BEYOND: usize = 4;
+
+/// Share of a step at which the lowest point is looked at once more, and how often at most.
+const FINE: f64 = 0.25;
+const CENTERINGS: usize = 4;
+
+/// Turns after which the search of the lowest point ends, and the part of a step below which it has converged.
+const MOST_TURNS: usize = 100;
+const CONVERGED: f64 = 1e-9;
+
+/// A delay within so many of its deviations of none is none.
+const CLEAR: f64 = 3.0;
+
+/// True for a delay among the hypotheses.
+pub(super) fn is_delay(investigation: &Investigation, group: &Group) -> bool {
+    matches!(
+        investigation.candidates[group.candidate].proposal.addition,
+        Addition::Instrument(_, Instrument::Delay | Instrument::DelayOfAll)
+    )
+}
+
+/// Mean squared errors of the joints at a delay, a step before and a step after it.
+struct Around<'a> {
+    at_s: f64,
+    step_s: f64,
+    errors: [&'a [f64]; 3],
+}
+
+impl Around<'_> {
+    /// The parabola through a joint's errors, c + s u + b u² with u in steps: c, s, b.
+    fn parabola(&self, joint: usize) -> [f64; 3] {
+        let [before, here, after] = self.errors.map(|e| e[joint]);
+        [here, 0.5 * (after - before), 0.5 * (before + after) - here]
+    }
+}
+
+/// Mean squared errors of the joints under delays.
+pub(super) struct Scan {
+    target_only: bool,
+    step_s: f64,
+    /// Of delays −before … steps, one after the other.
+    errors: VecDeque<Vec<f64>>,
+    /// Delays below zero.
+    before: usize,
+    /// A delay near the lowest point, and the errors a quarter of a step before it, at it, and as much after it.
+    fine: Option<(f64, [Vec<f64>; 3])>,
+    floor: Vec<f64>,
+    /// ½ n_eff of each joint.
+    effective: Vec<f64>,
+    /// What a score has to exceed.
+    least: f64,
+    /// Least log-MSE that an effect has to gain, on one joint or over all.
+    reduction: f64,
+}
+
+impl Scan {
+    pub(super) fn new(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Self {
+        let problem = &investigation.problem;
+        let switches = model(investigation);
+        let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
+        let shares = crate::evidence::residuals::shares(
+            &investigation.rows,
+            &investigation.partition,
+            &investigation.layout,
+            &switches,
+            &fit.coefficients,
+        );
+        let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
+        let (ordered, free) = free_first(&switches);
+        let used = used_columns(investigation, &switches);
+        let mut trial = problem.total().clone();
+        let rows = |j: usize| (problem.total()[0][j].rows + problem.total()[1][j].rows).max(1.0);
+        let mut at = |delay_s: f64| -> Vec<f64> {
+            shift(question, investigation, &used, target_only, delay_s, &mut trial);
+            let fit = problem.part_fit(&trial, &ordered, free, &weights);
+            let beta = problem.extend(&trial, &fit, (&ordered, free), &[], &weights);
+            let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
+            (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
+        };
+        let mut scan = Self {
+            target_only,
+            step_s,
+            errors: [-step_s, 0.0, step_s].map(&mut at).into(),
+            before: 1,
+            fine: None,
+            floor: investigation.floor.clone(),
+            effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
+            least: question.selection.score,
+            reduction: -(1.0 - question.selection.reduction).ln(),
+        };
+        // Downhill.
+        let is_negative = scan.value(&scan.errors[0]) < scan.value(&scan.errors[2]);
+        for k in 2..=STEPS {
+            let beyond = if is_negative { scan.lowest() } else { scan.errors.len() - 1 - scan.lowest() };
+            if beyond >= BEYOND {
+                break;
+            }
+            if is_negative {
+                scan.errors.push_front(at(-(k as f64) * step_s));
+                scan.before = k;
+            } else {
+                scan.errors.push_back(at(k as f64 * step_s));
+            }
+        }
+        let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
+        for _ in 0..CENTERINGS {
+            let Some(center_s) = center else { break };
+            scan.fine = Some((center_s, [-1.0, 0.0, 1.0].map(|by| at(center_s + by * FINE * step_s))));
+            // A minimum near an end of the finer steps is looked at once more.
+            center = scan
+                .size()
+                .map(|[delay_s, _]| delay_s)
+                .filter(|d| (d - center_s).abs() > 0.5 * FINE * step_s);
+        }
+        scan
+    }
+
+    /// The steps around the lowest one; none where the scan ended there.
+    fn around_lowest(&self) -> Option<Around<'_>> {
+        let lowest = self.lowest();
+        if lowest < 1 || lowest + 1 >= self.errors.len() {
+            return None;
+        }
+        let at_s = (lowest as f64 - self.before as f64) * self.step_s;
+        let errors = [lowest - 1, lowest, lowest + 1].map(|k| self.errors[k].as_slice());
+        Some(Around { at_s, step_s: self.step_s, errors })
+    }
+
+    /// The lowest point of V between three delays, s, and the deviation that its curvature means. A joint's mean squared error P is a
+    /// parabola of the delay where this is short beside the periods of the motion; its logarithm is none. As log P ≤ log P₀ + (P −
+    /// P₀)/P₀, the lowest point of Σ w P with w = ½ n_eff / P₀ is lower than where P₀ was taken, and is the next P₀.
+    fn minimum(&self, around: &Around<'_>) -> (f64, f64) {
+        let joints: Vec<([f64; 3], f64, f64)> = (0..self.effective.len())
+            .map(|j| {
+                let most = around.errors.iter().map(|e| e[j]).fold(f64::MIN_POSITIVE, f64::max);
+                (around.parabola(j), self.effective[j], f64::EPSILON * most)
+            })
+            .collect();
+        // Below what rounding leaves of the errors a parabola says nothing.
+        let at = |u: f64| {
+            joints.iter().map(move |([constant, slope, bend], effective, rounding)| {
+                let mse = (constant + u * (slope + u * bend)).max(*rounding);
+                ([effective / mse * (slope + 2.0 * bend * u), 2.0 * effective / mse * bend], *effective)
+            })
+        };
+        let mut u = 0.0;
+        for _ in 0..MOST_TURNS {
+            let (slope, bend) = at(u).fold((0.0, 0.0), |sum, ([s, b], _)| (sum.0 + s, sum.1 + b));
+            let next = (u - slope / bend).clamp(-1.0, 1.0);
+            // Without a bend upwards there is no lowest point.
+            if !(bend > 0.0 && next.is_finite()) || (next - u).abs() < CONVERGED {
+                break;
+            }
+            u = next;
+        }
+        let curvature: f64 = at(u).map(|([s, b], effective)| b - s * s / effective).sum();
+        (around.at_s + u * around.step_s, around.step_s / curvature.sqrt())
+    }
+
+    /// Σ_j ½ n_eff log(MSE / floor). What lies below the floor counts as well: it has its minimum there.
+    fn value(&self, errors: &[f64]) -> f64 {
+        (0..errors.len()).map(|j| self.effective[j] * self.log_error(errors, j)).sum()
+    }
+
+    fn log_error(&self, errors: &[f64], joint: usize) -> f64 {
+        let floor = self.floor[joint].max(f64::MIN_POSITIVE);
+        (errors[joint].max(f64::MIN_POSITIVE) / floor).ln()
+    }
+
+    fn lowest(&self) -> usize {
+        let values: Vec<f64> = self.errors.iter().map(|e| self.value(e)).collect();
+        (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0)
+    }
+
+    /// The lowest point of the scan, s, and the deviation that its curvature means.
+    fn size(&self) -> Option<[f64; 2]> {
+        let coarse = self.around_lowest()?;
+        let fine = self.fine.as_ref().map(|(at_s, errors)| Around {
+            at_s: *at_s,
+            step_s: FINE * self.step_s,
+            errors: errors.each_ref().map(Vec::as_slice),
+        });
+        let (delay_s, std_s) = self.minimum(&fine.unwrap_or(coarse));
+        std_s.is_finite().then_some([delay_s, std_s])
+    }
+
+    /// The delay, if it is one.
+    pub(super) fn delay(&self) -> Option<Delay> {
+        let [delay_s, std_s] = self.size()?;
+        // A delay of less than half a step is seen beside the steps alone.
+        let steps = &self.errors[self.lowest()];
+        let fine = self.fine.as_ref().map(|(_, around)| &around[1]);
+        let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
+        let none = &self.errors[self.before];
+        let score = self.value(none) - self.value(least);
+        let gains = (0..self.effective.len()).map(|j| self.log_error(none, j) - self.log_error(least, j));
+        let matters = gains.sum::<f64>() > self.reduction;
+        let joints = agreement(&self.of_joints())?;
+        let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
+        let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
+        let clear = delay_s.abs() > CLEAR * std_s;
+        (score > self.least && clear && agreed && matters).then_some(delay)
+    }
+
+    /// The delay that each joint shows by itself, s, and its variance: where the parabola through its mean squared errors is
+    /// lowest, one step beyond none and beyond the common delay included. None of a joint whose errors have no minimum.
+    fn of_joints(&self) -> Vec<Option<[f64; 2]>> {
+        let (lowest, none) = (self.lowest(), self.before);
+        let first = lowest.min(none).saturating_sub(1);
+        let last = (lowest.max(none) + 1).min(self.errors.len() - 1);
+        let n = (last - first + 1) as f64;
+        let middle = 0.5 * (first + last) as f64;
+        let places: Vec<f64> = (first..=last).map(|k| k as f64 - middle).collect();
+        let square = places.iter().map(|u| u * u).sum::<f64>() / n;
+        let spread = places.iter().map(|u| (u * u - square).powi(2)).sum::<f64>();
+        let of_joint = |joint: usize| {
+            let errors = || self.errors.range(first..=last).map(|e| e[joint]).zip(&places);
+            let slope = errors().map(|(e, u)| e * u).sum::<f64>() / (n * square);
+            let bend = errors().map(|(e, u)| e * (u * u - square)).sum::<f64>() / spread;
+            let least = errors().map(|(e, _)| e).fold(f64::INFINITY, f64::min);
+            let place = middle - none as f64 - 0.5 * slope / bend;
+            let variance = least / (2.0 * bend * self.effective[joint]);
+            // Whose deviation is longer than what was scanned tells none of these delays from another.
+            let is_known = bend > 0.0 && variance > 0.0 && variance < n * n && place.is_finite();
+            is_known.then_some([place * self.step_s, variance * self.step_s * self.step_s])
+        };
+        (0..self.effective.len()).map(of_joint).collect()
+    }
+}
+
+/// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and friction that lags on
+/// every joint. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
+fn model(investigation: &Investigation) -> Vec<Switch> {
+    let lags = |group: &&Group| group.effect.delays_friction;
+    let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+    let found = found.filter(|g| !is_delay(investigation, g));
+    let mut all = investigation.base_switches.clone();
+    let everywhere = !investigation.problem.has_reference();
+    let lagging = investigation.groups.iter().filter(lags).filter(|g| everywhere || !g.target_only());
+    for switch in found.chain(lagging).flat_map(|g| &g.switches) {
+        if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
+            all.push(*switch);
+        }
+    }
+    all
+}
+
+/// The places of a model's columns among those of each joint.
+fn used_columns(investigation: &Investigation, switches: &[Switch]) -> Vec<Vec<usize>> {
+    let is_used = |column: usize| switches.iter().any(|s| s.column == column);
+    let of_joint = |row: &Vec<usize>| (0..row.len()).filter(|k| is_used(row[*k])).collect();
+    investigation.layout.rows.iter().map(of_joint).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(errors: Vec<Vec<f64>>) -> Scan {
+        let joints = errors[0].len();
+        Scan {
+            target_only: false,
+            step_s: 0.002,
+            errors: errors.into(),
+            before: 1,
+            fine: None,
+            floor: vec![1.0; joints],
+            effective: vec![200.0; joints],
+            least: 8.0,
+            reduction: 0.05,
+        }
+    }
+
+    #[test]
+    fn a_minimum_on_all_joints_is_a_delay() {
+        let error = |k: i32, at: f64| 1.0 + 0.2 * (f64::from(k) - at).powi(2);
+        let found = scan((-1..8).map(|k| vec![error(k, 3.3), error(k, 3.3)]).collect()).delay().unwrap();
+        assert!((found.delay_s - 0.0066).abs() < 0.0006, "{found:?}");
+        assert!(found.std_s < 0.001);
+        let mut early = scan((-5..2).map(|k| vec![error(k, -3.3); 2]).collect());
+        early.before = 5;
+        assert!((early.delay().unwrap().delay_s + 0.0066).abs() < 0.0006);
+    }
+
+    /// Logarithms of errors that grow twentyfold within a step are no parabolas, and the lowest of them is beside the delay.
+    #[test]
+    fn a_delay_of_a_third_of_a_step_is_not_rounded() {
+        let error = |k: i32| 1.0 + 80.0 * (f64::from(k) - 0.32).powi(2);
+        let found = scan((-1..5).map(|k| vec![error(k); 3]).collect()).size().unwrap();
+        assert!((found[0] - 0.32 * 0.002).abs() < 1e-8, "{found:?}");
+        // Floors above the errors do not hide the minimum.
+        let mut high = scan((-1..5).map(|k| vec![0.8 * error(k); 3]).collect());
+        high.floor = vec![20.0; 3];
+        assert!((high.size().unwrap()[0] - 0.32 * 0.002).abs() < 1e-8);
+    }
+
+    #[test]
+    fn joints_that_disagree_show_no_delay() {
+        let error = |k: i32, at: f64| 1.0 + 0.2 * (f64::from(k) - at).powi(2);
+        let at = |places: [f64; 4]| {
+            scan((-1..9).map(|k| places.map(|at| error(k, at)).to_vec()).collect()).delay()
+        };
+        assert!(at([3.0, 3.1, 2.9, 3.2]).is_some());
+        assert_eq!(at([6.0, 5.0, -1.0, 0.5]), None);
+    }
+
+    #[test]
+    fn what_one_joint_of_three_shows_is_none() {
+        let error = |k: i32| 1.0 + 0.2 * (f64::from(k) - 3.0).powi(2);
+        assert_eq!(scan((-1..8).map(|k| vec![error(k), 1.0, 1.0]).collect()).delay(), None);
+    }
+
+    #[test]
+    fn a_minimum_at_no_shift_is_none() {
+        let error = |k: i32| 1.0 + 0.2 * f64::from(k).powi(2);
+        assert_eq!(scan((-1..8).map(|k| vec![error(k); 3]).collect()).delay(), None);
+    }
+}
