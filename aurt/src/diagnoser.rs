@@ -232,6 +232,7 @@ impl Diagnoser {
             calibration: *calibration,
             selection: self.selection,
             without: &self.without,
+            structure: None,
         };
         let investigation =
             investigate(&question, registry, |what| progress.step(what)).map_err(Error::from)?;

@@ -383,10 +383,10 @@ effects! {
     }
     /// Viscous friction that is not proportional to velocity.
     ViscousNonlinear = "viscous_nonlinear" {
-        /// Coefficient of the square of velocity, Nm s²/rad².
-        viscous_2: Option<Vec<Estimate>>,
-        /// Coefficient of its cube, Nm s³/rad³.
-        viscous_3: Option<Vec<Estimate>>,
+        /// Change of friction at 1 rad/s by the power of velocity, Nm.
+        power_law_nm: Option<Vec<Estimate>>,
+        /// Its exponent.
+        velocity_exponent: Option<Vec<Estimate>>,
         /// Level at which friction saturates, Nm.
         saturation_nm: Option<Vec<Estimate>>,
         /// Velocity at which it saturates, rad/s.

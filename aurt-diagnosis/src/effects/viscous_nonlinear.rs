@@ -1,10 +1,11 @@
 //! `viscous_nonlinear`: speed-dependent friction that is not in proportion to speed.
 //!
 //! # What it is
-//! τ = Σ_i F_v,i b_i(q̇) with b_i = q̇ |q̇|^(i−1), or saturating, τ = F_vs tanh(q̇/v_s). Lubricant shears thin
+//! A power of velocity, τ = F_vp sgn(q̇) |q̇|^n, or a law that saturates, τ = F_vs tanh(q̇/v_s). Lubricant shears thin
 //! as it is driven faster, so friction of harmonic drives is concave; churning and air make it convex.
 //!
-//! - `viscous_2`, `viscous_3`: F_v,2 and F_v,3, Nm (s/rad)^i, or
+//! - `power_law_nm`: F_vp, Nm, the torque at 1 rad/s beside the straight line of the model, and `velocity_exponent`: n, below 1
+//!   where friction is concave and above where it is convex, or
 //! - `saturation_nm`: F_vs ≥ 0, Nm, and `saturation_velocity_rad_s`: v_s, rad/s, usually 0.1–1.
 //!
 //! # How it shows
@@ -19,9 +20,11 @@
 //!
 //! # What to record to be sure
 //! Constant velocities up to the highest in use, in both directions and in random order, at constant
-//! temperature. A cubic law fails beyond the speeds it was fitted to.
+//! temperature.
 //!
 //! # References
+//! - H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert, P. Lischinsky (1998), *Friction models and friction
+//!   compensation*.
 //! - C. Makkar, W. E. Dixon, W. G. Sawyer, G. Hu (2005), *A new continuously differentiable friction model for
 //!   control systems design*.
 //! - A. C. Bittencourt, S. Gunnarsson (2012), *Static friction in a robot joint – modeling and identification
@@ -34,8 +37,13 @@ use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::shape::Shape;
 use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit};
 
-/// Powers beside the linear one.
-const POWERS: [u32; 2] = [2, 3];
+/// Exponents from which the search for the power begins, either side of the straight line: a lubricant that shears thin, and
+/// a curve between the square and the cube.
+const EXPONENTS: [f64; 2] = [0.5, 2.5];
+
+/// Where each is sought: off 1, which the model itself has, and off 0, which is dry friction.
+const THIN: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [0.2, 0.9], 0.25);
+const THICK: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [1.2, 3.0], 0.25);
 
 /// Velocities v_s from which the search for the saturating law begins. Below a quarter of a radian per second it is hard to tell
 /// from dry friction.
@@ -53,8 +61,8 @@ pub static EFFECT: Effect = Effect {
     decider: "constant velocities over the whole range, at constant temperature",
     source: include_str!("viscous_nonlinear.rs"),
     parameters: &[
-        Parameter::new("viscous_2", Unit::One),
-        Parameter::new("viscous_3", Unit::One),
+        Parameter::new("power_law_nm", Unit::Torque),
+        Parameter::new("velocity_exponent", Unit::One),
         Parameter::new("saturation_nm", Unit::Torque),
         Parameter::new("saturation_velocity_rad_s", Unit::Velocity),
     ],
@@ -66,16 +74,18 @@ pub static EFFECT: Effect = Effect {
 
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let (absent, sign) = (json!({"model": "absent"}), json!({"model": "sign"}));
-    // Concave friction has a negative coefficient beside a larger slope.
-    let power = |j: usize, power: u32| {
-        Proposal::friction(j, absent.clone(), sign.clone(), &[power]).with("power", f64::from(power))
+    // Beside the straight line of the model, a coefficient may have either sign.
+    let power = |j: usize, exponent: f64| {
+        let law = json!({"model": "power_law", "exponent": exponent});
+        let shape = if exponent < 1.0 { THIN } else { THICK };
+        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(shape)
     };
     let saturating = |j: usize, velocity: f64| {
         let law = json!({"model": "saturating", "saturation_velocity_rad_s": velocity});
         Proposal::stack(j, absent.clone(), sign.clone(), law).bound(&[true]).shaped(SATURATION)
     };
     let on = |j: usize| {
-        let mut proposals = POWERS.map(|p| power(j, p)).to_vec();
+        let mut proposals = EXPONENTS.map(|n| power(j, n)).to_vec();
         proposals.extend(SATURATION_VELOCITIES_RAD_S.map(|v| saturating(j, v)));
         proposals
     };
@@ -83,14 +93,11 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
 }
 
 fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Parameters {
-    let name = match proposal.fixed.get("power") {
-        Some(power) => format!("viscous_{power}"),
-        None => "saturation_nm".to_owned(),
-    };
+    let is_power = proposal.fixed.contains_key("velocity_exponent");
+    let name = if is_power { "power_law_nm" } else { "saturation_nm" };
     let mut parameters = proposal.fixed_parameters();
-    parameters.remove("power");
     if let Some((_, value, std)) = fitted.first() {
-        parameters.insert(name, ParameterValue::new(*value, *std));
+        parameters.insert(name.to_owned(), ParameterValue::new(*value, *std));
     }
     parameters
 }

@@ -23,8 +23,17 @@ pub(crate) fn groups(
     let reference = problem.has_reference();
     for (index, candidate) in candidates.iter().enumerate() {
         for target_only in [false, true] {
-            let wanted =
-                if target_only { target } else { reference && candidate.proposal.presence == Presence::Any };
+            let wanted = match candidate.proposal.presence {
+                Presence::Known => !target_only && reference,
+                Presence::Change => target_only && target,
+                Presence::Any => {
+                    if target_only {
+                        target
+                    } else {
+                        reference
+                    }
+                }
+            };
             if !wanted {
                 continue;
             }
@@ -50,6 +59,7 @@ pub(crate) fn groups(
                 effect: candidate.effect,
                 joints: candidate.proposal.joints.clone(),
                 candidate: index,
+                is_known: candidate.proposal.presence == Presence::Known,
                 accessory: essential.iter().zip(&switches).filter(|(e, _)| !**e).map(|(_, s)| *s).collect(),
                 switches,
             });

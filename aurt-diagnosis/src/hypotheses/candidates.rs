@@ -38,18 +38,18 @@ pub(crate) fn candidates(
     let own = question.model;
     let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
     let mut proposed: Vec<(&'static Effect, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
-    for effect in effects::ALL.into_iter().filter(|e| question.considers(e)) {
-        for proposal in (effect.propose)(context) {
-            let term = match &proposal.addition {
-                Addition::Term(configuration) => {
-                    let term = build_term(registry, effect, configuration)?;
-                    terms.push(term);
-                    Some(terms.len() - 1)
-                }
-                Addition::Instrument(..) => None,
-            };
-            proposed.push((effect, None, proposal, term));
-        }
+    let considered = effects::ALL.into_iter().filter(|e| question.considers(e));
+    let of_effects = considered.flat_map(|e| (e.propose)(context).into_iter().map(move |p| (e, p)));
+    let known = question.structure.into_iter().flatten().map(|k| (k.effect, k.proposal.clone()));
+    for (effect, proposal) in of_effects.chain(known) {
+        let term = match &proposal.addition {
+            Addition::Term(configuration) => {
+                terms.push(build_term(registry, effect, configuration)?);
+                Some(terms.len() - 1)
+            }
+            Addition::Instrument(..) => None,
+        };
+        proposed.push((effect, None, proposal, term));
     }
     for Proposed { model, proposal, term } in registered {
         terms.push(term);

@@ -143,6 +143,7 @@ impl Prepared<'_> {
             misfit: reference.misfit.clone(),
             faults: reference.faults.clone(),
             faults_matter: reference.faults_matter,
+            structure_known: false,
             undetermined: reference.undetermined,
             late: None,
             shaking: reference.shaking.clone(),

@@ -6,6 +6,8 @@
 
 use std::collections::BTreeMap;
 
+use aurt_calibration::student;
+
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
@@ -27,8 +29,9 @@ pub struct Indicated {
     pub fails: Vec<String>,
 }
 
-/// Standard deviations that a coefficient has to be away from zero: one finding in twenty of nothing is that far.
-const AWAY_STD: f64 = 2.0;
+/// Coefficients have to be farther from zero than one case in a hundred of nothing, in deviations of which the jackknife over
+/// blocks of time knows as much as Student's t says; `p_null` is what the search adds to chance.
+const TWO_SIDED_1: f64 = 2.575_829_303_548_901;
 
 /// A joint is predicted worse if its held-out error (root mean square) grows by this share; less is within what two
 /// stretches of time differ by.
@@ -56,7 +59,8 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let reach_m = reach_m(question, investigation)?;
     let trial = Trial::new(question, investigation, &chosen, reach_m);
     let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
-    let by_chance: Vec<Option<f64>> = chosen.iter().map(Chosen::by_chance).collect();
+    let by_chance: Vec<Option<f64>> =
+        chosen.iter().zip(&trial.groups).map(|(c, g)| c.by_chance().filter(|_| !g.is_known)).collect();
     let most = largest_of_claims(&by_chance, question.selection.level);
     for (p, fails) in by_chance.iter().zip(&mut fails) {
         if let Some(p) = p.filter(|p| *p > most) {
@@ -66,7 +70,7 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         }
     }
     for (joint, times) in trial.worse_in_all() {
-        let on_it = |i: &usize| trial.groups[*i].joints == [joint];
+        let on_it = |i: &usize| trial.groups[*i].joints == [joint] && !trial.groups[*i].is_known;
         let culprits: Vec<usize> = (0..chosen.len()).filter(on_it).collect();
         if culprits.iter().any(|i| !fails[*i].is_empty()) {
             continue;
@@ -191,11 +195,16 @@ impl<'a> Trial<'a> {
     /// The tests that one of it fails.
     fn fails(&self, i: usize) -> Vec<String> {
         let group = self.groups[i];
+        if group.is_known {
+            return Vec::new();
+        }
         let mut fails: Vec<String> =
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         let away = self.away_from_zero(i);
-        if away < AWAY_STD {
-            fails.push(format!("it is {away:.1} σ from zero; at least {AWAY_STD} σ required"));
+        let blocks = self.investigation.problem.blocks();
+        let least = student(TWO_SIDED_1, blocks as f64 - 1.0);
+        if away < least {
+            fails.push(format!("it is {away:.1} σ from zero; {blocks} blocks of time require {least:.1} σ"));
         }
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
         let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();

@@ -14,6 +14,7 @@ mod reshaped;
 mod selecting;
 mod settled;
 mod shifted;
+mod structure;
 
 pub use earned::Indicated;
 pub(crate) use earned::{WORSE, concerned, earn};
@@ -53,6 +54,7 @@ use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
 use gears::{gears_beside, without_gears};
 use selecting::{Parts, Selected};
+use structure::structure_alone;
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
 #[derive(Debug)]
@@ -87,6 +89,8 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
     pub misfit: Vec<f64>,
+    /// Whether it is known what the calibration recordings alone lack.
+    pub structure_known: bool,
     /// Whether the calibration recordings leave open what the targets' motion needs, so that both were fitted together.
     pub undetermined: bool,
     /// Faults of the recordings.
@@ -123,6 +127,13 @@ pub struct Investigation {
 }
 
 impl Investigation {
+    /// A group of all recordings that the calibration recordings alone do not show: it stays in the model, lest a change takes its
+    /// place, and is not claimed.
+    pub(crate) fn only_together(&self, group: usize) -> bool {
+        let group = &self.groups[group];
+        self.structure_known && group.is_named() && !group.is_known && !group.target_only()
+    }
+
     /// Coefficients of the final model: the baseline's and those of what was selected.
     pub(crate) fn switches(&self) -> Vec<Switch> {
         self.switches_of(self.selection.chosen.iter().map(|c| &self.groups[c.group]))
@@ -151,6 +162,8 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
+    let structure = structure_alone(question, registry, &mut progress);
+    let question = &Question { structure: structure.as_deref(), ..*question };
     let Punctual { mut examination, recordings: punctual, without } =
         punctual(question, registry, &mut progress)?;
     let question = &Question { recordings: &punctual, without: &without, ..*question };
@@ -277,6 +290,8 @@ fn examine(
     if !elastic.is_empty() {
         progress("fitting the reference model beside gears");
     }
+    let structure = question.structure.filter(|_| !undetermined);
+    let question = &Question { structure, ..*question };
     let gears = without_gears(question, judged, undetermined, elastic)?;
     let freed =
         Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
@@ -416,6 +431,7 @@ fn examine(
         noise_notes,
         floor,
         misfit,
+        structure_known: question.structure.is_some(),
         faults,
         faults_matter,
         undetermined,

@@ -14,7 +14,7 @@ use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::Question;
 use crate::search;
 use crate::search::ground::{Ground, Recorded};
-use crate::search::selection::{Chosen, Selection, Selector};
+use crate::search::selection::{Selection, Selector};
 
 /// What selection works on, beside the rows.
 pub(super) struct Parts<'a> {
@@ -72,14 +72,18 @@ impl Parts<'_> {
             let independent_share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
             let fitted = Fitted::of(&ground.problem, floor, independent_share, switches);
             let own = fitted.own(self.own, base);
-            let impossible = |chosen: &Chosen| {
-                let group = &groups[chosen.group];
+            let impossible = |group: usize| {
+                let group = &groups[group];
                 let parameters =
                     fitted.parameters(group, &ground.candidates[group.candidate], question.model, &own);
                 group.effect.impossible(&parameters, f64::INFINITY).is_some()
             };
-            let refused: Vec<usize> =
-                selection.chosen.iter().filter(|c| impossible(c)).map(|c| c.group).collect();
+            let refused: Vec<usize> = selection
+                .chosen
+                .iter()
+                .map(|c| c.group)
+                .filter(|g| !groups[*g].is_known && impossible(*g))
+                .collect();
             if refused.is_empty() {
                 break (selection, fitted, independent_share);
             }

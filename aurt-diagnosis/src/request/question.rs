@@ -9,7 +9,7 @@ use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::recordings::unresolved::{leave_out_unresolved, position_cutoff_hz};
 use crate::request::SelectionOptions;
-use crate::vocabulary::Effect;
+use crate::vocabulary::{Effect, Proposal};
 
 /// A recording that takes part in a diagnosis.
 #[derive(Debug, Clone)]
@@ -167,6 +167,15 @@ fn constant(series: &[f64]) -> Option<f64> {
     series.iter().all(|v| *v == first).then_some(first)
 }
 
+/// An effect of the calibration recordings, with the shapes that they give it.
+#[derive(Debug, Clone)]
+pub struct Known {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its term.
+    pub proposal: Proposal,
+}
+
 /// What a diagnosis is asked: a model, recordings, and what is taken as given.
 #[derive(Debug)]
 pub struct Question<'a> {
@@ -186,6 +195,8 @@ pub struct Question<'a> {
     pub selection: SelectionOptions,
     /// Effects that are not to be considered (for proofs of `unexplained`).
     pub without: &'a [String],
+    /// What the calibration recordings alone lack, once that was asked: every model of the targets has it.
+    pub structure: Option<&'a [Known]>,
 }
 
 impl Question<'_> {

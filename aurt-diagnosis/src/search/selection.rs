@@ -101,7 +101,8 @@ impl Selector<'_> {
     /// Selects groups: forward until nothing helps, then replacement and removal, and forward again.
     #[must_use]
     pub fn run(&mut self, progress: impl FnMut(&str)) -> Selection {
-        self.run_from(Vec::new(), progress)
+        let known = (0..self.groups.len()).filter(|g| self.groups[*g].is_known).collect();
+        self.run_from(known, progress)
     }
 
     /// The same, begun with some groups in the model.
@@ -181,6 +182,10 @@ impl Selector<'_> {
     fn replace(&mut self, chosen: &mut [usize]) {
         for i in 0..chosen.len() {
             let rest = without(chosen, i);
+            if self.groups[chosen[i]].is_known {
+                self.estimate(chosen[i], &rest, false);
+                continue;
+            }
             let scoring = self.scoring();
             let ranked = scoring.rank(&scoring.fit(&rest), |g| {
                 !rest.contains(&g) && scoring.meet(g, chosen[i]) && !scoring.is_repeated(g, &rest)
@@ -214,7 +219,7 @@ impl Scoring<'_> {
         let mut i = 0;
         while i < chosen.len() {
             let tie = &self.groups[chosen[i]];
-            if !tie.is_tie() {
+            if !tie.is_tie() || tie.is_known {
                 i += 1;
                 continue;
             }
@@ -247,7 +252,7 @@ impl Scoring<'_> {
         let mut pairs = (0..chosen.len()).flat_map(|i| (i + 1..chosen.len()).map(move |k| (i, k)));
         let joined = pairs.find_map(|(i, k)| {
             let (one, other) = (&self.groups[chosen[i]], &self.groups[chosen[k]]);
-            if !alike(one, other) {
+            if !alike(one, other) || one.is_known || other.is_known {
                 return None;
             }
             let rest = without(&without(chosen, k), i);
@@ -283,6 +288,7 @@ impl Scoring<'_> {
             };
             let weakest = (0..chosen.len())
                 .into_par_iter()
+                .filter(|i| !self.groups[chosen[*i]].is_known)
                 .filter_map(|i| {
                     let loss = self.loss(chosen, i, &full.all);
                     let start = if self.groups[chosen[i]].target_only() { &left } else { before };

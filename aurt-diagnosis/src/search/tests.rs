@@ -130,6 +130,7 @@ const fn switch(column: usize, target_only: bool) -> Switch {
 
 fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
     Group {
+        is_known: false,
         effect: effects::find(effect).unwrap(),
         joints: vec![0],
         candidate: column,
@@ -192,6 +193,19 @@ fn two_changes_of_friction_are_one() {
     };
     assert_eq!(chosen(&apart), [0, 1, 2]);
     assert_eq!(chosen(&[&apart[..], &[level]].concat()), [2, 3]);
+}
+
+#[test]
+fn what_is_known_stays_and_is_not_taken_twice() {
+    let mut rows = Rows::new(vec![
+        recording(Role::Calibration, 8, &[1.0, 0.0, 0.0]),
+        recording(Role::Target, 9, &[1.0, 0.8, 0.0]),
+    ]);
+    let known = Group { is_known: true, ..group("viscous", 2, false) };
+    let groups = [group("spring", 1, true), group("viscous", 2, false), known];
+    let mut found: Vec<usize> = rows.select(&groups).chosen.iter().map(|c| c.group).collect();
+    found.sort_unstable();
+    assert_eq!(found, [0, 2]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::effects::{self, time_delay};
 use crate::hypotheses::candidates::Candidate;
-use crate::investigation::{Fitted, Investigation, concerned};
+use crate::investigation::{Fitted, Indicated, Investigation, concerned};
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::recordings::rows::Role;
 use crate::request::Question;
@@ -48,6 +48,9 @@ pub(crate) fn findings(
     let chosen = &investigation.selection.chosen;
     let mut merged: Vec<(Finding, Vec<Vec<usize>>)> = Vec::new();
     for (one, stability) in chosen.iter().zip(&investigation.stability) {
+        if investigation.only_together(one.group) {
+            continue;
+        }
         let Some(mut finding) = finding(question, investigation, one, fitted) else { continue };
         finding.stability = Some(*stability);
         let whole_arm = effects::find(&finding.effect).is_some_and(|e| e.is_whole_arm);
@@ -77,16 +80,23 @@ pub(crate) fn findings(
 
 /// What was selected and fails a test, each for itself.
 pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
+    let together = investigation.selection.chosen.iter().filter(|c| investigation.only_together(c.group));
+    let together = together.map(|c| Indicated {
+        chosen: c.clone(),
+        fails: vec!["the calibration recordings alone do not show it".to_owned()],
+    });
     let mut found: Vec<Indication> = investigation
         .indicated
         .iter()
+        .cloned()
+        .chain(together)
         .filter_map(|indicated| {
             let kept = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
             let own = &investigation.groups[indicated.chosen.group];
             let fitted = Fitted::new(investigation, investigation.switches_of(kept.chain([own])));
             let mut finding = finding(question, investigation, &indicated.chosen, &fitted)?;
             finding.sentence = sentence(&finding, question);
-            Some(Indication { finding, fails: indicated.fails.clone() })
+            Some(Indication { finding, fails: indicated.fails })
         })
         .collect();
     found.sort_by(|a, b| b.finding.evidence.score.total_cmp(&a.finding.evidence.score));
@@ -207,7 +217,11 @@ fn merge(first: &mut Finding, other: Finding, parts: usize) {
     first.evidence.score = first.evidence.score.max(other.evidence.score);
     first.confidence = first.confidence.min(other.confidence);
     // What stands in for an effect does so on all joints that have it.
-    first.alternatives.retain(|a| other.alternatives.iter().any(|b| b.effect == a.effect));
+    first.alternatives.retain_mut(|a| {
+        let on_other = other.alternatives.iter().find(|b| b.effect == a.effect);
+        a.joints.extend(on_other.iter().flat_map(|b| &b.joints));
+        on_other.is_some()
+    });
 }
 
 fn append(list: &mut Value, value: Value, parts: usize) {
@@ -219,6 +233,10 @@ fn append(list: &mut Value, value: Value, parts: usize) {
 
 /// Orders joints ascending, and the lists along them.
 fn sort_by_joint(finding: &mut Finding) {
+    for alternative in &mut finding.alternatives {
+        alternative.joints.sort_unstable();
+        alternative.joints.dedup();
+    }
     let n = finding.joints.len();
     if finding.joints.is_sorted() {
         return;
@@ -291,4 +309,30 @@ fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) ->
         }
     };
     open_rivals(investigation, one, fitted).into_iter().map(alternative).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alternatives_of_joints_together_have_all_of_them() {
+        let other = |effect: &str, joint| Alternative {
+            effect: effect.to_owned(),
+            joints: vec![joint],
+            score: 30.0,
+            record: String::new(),
+        };
+        let on = |joint: usize, others: &[&str]| Finding {
+            alternatives: others.iter().map(|effect| other(effect, joint)).collect(),
+            ..Finding::new(effects::find("coulomb_asymmetry").unwrap(), vec![joint], Evidence::default(), 0.9)
+        };
+        let mut first = on(4, &["current_offset", "coulomb"]);
+        merge(&mut first, on(1, &["current_offset"]), 2);
+        sort_by_joint(&mut first);
+        assert_eq!(first.joints, [1, 4]);
+        let alternatives: Vec<_> =
+            first.alternatives.iter().map(|a| (&a.effect[..], &a.joints[..])).collect();
+        assert_eq!(alternatives, [("current_offset", &[1, 4][..])]);
+    }
 }

@@ -34,6 +34,8 @@ pub enum Presence {
     Any,
     /// Tried in the target recordings alone: a change.
     Change,
+    /// Known to be in all recordings from the calibration recordings alone: in every model of the targets.
+    Known,
 }
 
 /// Something that, added to the model, would describe an effect.

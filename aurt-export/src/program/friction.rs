@@ -148,6 +148,13 @@ fn viscous(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
                 .map(|power| odd_power(tape, at.velocity, power))
                 .collect())
         }
+        "power_law" => {
+            let exponent = Value::Constant(number(&description, "exponent", &place)?);
+            let speed = tape.call(Function::Abs, &[at.velocity]);
+            let power = tape.call(Function::Pow, &[speed, exponent]);
+            let sign = tape.call(Function::SignBeyond, &[at.velocity, Value::Constant(0.0)]);
+            Ok(vec![tape.multiply(sign, power)])
+        }
         "saturating" => {
             let ratio = tape.divide(at.velocity, number(&description, "saturation_velocity_rad_s", &place)?);
             let mut columns = vec![tape.call(Function::Tanh, &[ratio])];
@@ -156,7 +163,7 @@ fn viscous(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
             }
             Ok(columns)
         }
-        name => Err(unknown(place, name, model.state_len(), "polynomial, saturating")),
+        name => Err(unknown(place, name, model.state_len(), "polynomial, power_law, saturating")),
     }
 }
 

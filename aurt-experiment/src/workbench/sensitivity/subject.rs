@@ -131,6 +131,7 @@ impl Subject {
             calibration: self.calibration,
             selection: self.selection,
             without: &[],
+            structure: None,
         }
     }
 

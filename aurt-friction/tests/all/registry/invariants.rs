@@ -24,6 +24,7 @@ fn variants() -> Vec<Model> {
         (Hysteresis, r#"{ model = "maxwell_slip", fit_thresholds = true }"#),
         (Hysteresis, r#"{ model = "gms", elements = 3, coulomb_ratio = 0.4, attraction_per_s = 900.0 }"#),
         (Viscous, r#"{ model = "polynomial", powers = [4, 1, 7] }"#),
+        (Viscous, r#"{ model = "power_law", exponent = 2.5 }"#),
         (Viscous, r#"{ model = "saturating", linear = true }"#),
         (ArmTerm, r#"{ model = "coupling", joint = 3, partner = 4, ratio = -0.5, inertia = false }"#),
         (ArmTerm, r#"{ model = "spring", rest_rad = 0.3 }"#),

@@ -30,7 +30,7 @@ fn the_models_that_experiments_rely_on_are_there() {
     for (slot, names) in [
         (Slot::Coulomb, &["absent", "absolute", "constant", "square", "stribeck"][..]),
         (Slot::Hysteresis, &["bouc_wen", "dahl", "gms", "lugre", "maxwell_slip", "sign", "tanh"][..]),
-        (Slot::Viscous, &["polynomial", "saturating"][..]),
+        (Slot::Viscous, &["polynomial", "power_law", "saturating"][..]),
         (
             Slot::ArmTerm,
             &[
