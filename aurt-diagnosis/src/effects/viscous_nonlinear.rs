@@ -4,8 +4,8 @@
 //! A power of velocity, τ = F_vp sgn(q̇) |q̇|^n, or a law that saturates, τ = F_vs tanh(q̇/v_s). Lubricant shears thin
 //! as it is driven faster, so friction of harmonic drives is concave; churning and air make it convex.
 //!
-//! - `power_law_nm`: F_vp, Nm, the torque at 1 rad/s beside the straight line of the model, and `velocity_exponent`: n, below 1
-//!   where friction is concave and above where it is convex, or
+//! - `power_law_nm`: F_vp, Nm, the torque at 1 rad/s beside the straight line of the model, negative where friction is concave, and
+//!   `velocity_exponent`: n, 1.2–3, or
 //! - `saturation_nm`: F_vs ≥ 0, Nm, and `saturation_velocity_rad_s`: v_s, rad/s, usually 0.1–1.
 //!
 //! # How it shows
@@ -37,13 +37,12 @@ use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::shape::Shape;
 use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit};
 
-/// Exponents from which the search for the power begins, either side of the straight line: a lubricant that shears thin, and
-/// a curve between the square and the cube.
-const EXPONENTS: [f64; 2] = [0.5, 2.5];
+/// Exponent from which the search for the power begins: between the square and the cube, with either sign beside the straight line
+/// of the model. Below 1 the column is hard to tell from dry friction; the law that saturates is there instead.
+const EXPONENT: f64 = 2.5;
 
-/// Where each is sought: off 1, which the model itself has, and off 0, which is dry friction.
-const THIN: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [0.2, 0.9], 0.25);
-const THICK: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [1.2, 3.0], 0.25);
+/// Where it is sought: off 1, which the model itself has.
+const POWER: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [1.2, 3.0], 0.25);
 
 /// Velocities v_s from which the search for the saturating law begins. Below a quarter of a radian per second it is hard to tell
 /// from dry friction.
@@ -74,18 +73,16 @@ pub static EFFECT: Effect = Effect {
 
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let (absent, sign) = (json!({"model": "absent"}), json!({"model": "sign"}));
-    // Beside the straight line of the model, a coefficient may have either sign.
-    let power = |j: usize, exponent: f64| {
-        let law = json!({"model": "power_law", "exponent": exponent});
-        let shape = if exponent < 1.0 { THIN } else { THICK };
-        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(shape)
+    let power = |j: usize| {
+        let law = json!({"model": "power_law", "exponent": EXPONENT});
+        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(POWER)
     };
     let saturating = |j: usize, velocity: f64| {
         let law = json!({"model": "saturating", "saturation_velocity_rad_s": velocity});
         Proposal::stack(j, absent.clone(), sign.clone(), law).bound(&[true]).shaped(SATURATION)
     };
     let on = |j: usize| {
-        let mut proposals = EXPONENTS.map(|n| power(j, n)).to_vec();
+        let mut proposals = vec![power(j)];
         proposals.extend(SATURATION_VELOCITIES_RAD_S.map(|v| saturating(j, v)));
         proposals
     };
