@@ -1,4 +1,4 @@
-//! `power_law`: viscous friction of a lubricant that shears thin or thick.
+//! `power_law`: viscous friction in proportion to a power of velocity.
 //!
 //! # Equation
 //! f_v(q̇) = F_vp sgn(q̇) |q̇/(1 rad/s)|^n
@@ -6,7 +6,7 @@
 //! # Parameters
 //! | key | unit | meaning |
 //! |---|---|---|
-//! | `exponent` | – | n, shape, 0.2–4, searched in logarithms; 0.5 unless given |
+//! | `exponent` | – | n, shape, 1.2–4, searched in logarithms; 2 unless given |
 //!
 //! # Columns
 //! | name | unit | column |
@@ -14,13 +14,12 @@
 //! | `F_vp` | Nm | sgn(q̇) \|q̇\|^n; the friction at 1 rad/s |
 //!
 //! # Use when
-//! Friction is curved against velocity: below 1 as of grease in a harmonic drive, which shears thin, and above 1 as of churned oil
-//! and air. One law for both, where polynomials need several columns and turn back beyond the calibrated velocities. An
-//! exponent at its lower bound means that the column repeats the Coulomb level.
+//! Friction grows faster than velocity, as of churned oil and air, or, with a negative coefficient beside a linear column, more slowly.
+//! One column for what polynomials need several for. Friction that levels off is `saturating`, which stays bounded; an exponent
+//! below 1 would repeat the Coulomb level.
 //!
 //! # Source
-//! Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky (1998), *Friction models and friction compensation*, section 2.1; Ostwald
-//! (1925), *Über die Geschwindigkeitsfunktion der Viskosität disperser Systeme*, for fluids that shear thin.
+//! Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky (1998), *Friction models and friction compensation*, section 2.1.
 //!
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
@@ -30,7 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;
 
-const EXPONENT: Shape = Shape::logarithmic("exponent", "-", 0.2, 4.0);
+const EXPONENT: Shape = Shape::logarithmic("exponent", "-", 1.2, 4.0);
 
 /// Viscous friction in proportion to a power of velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -42,7 +41,7 @@ pub struct PowerLaw {
 
 impl Default for PowerLaw {
     fn default() -> Self {
-        Self { exponent: 0.5 }
+        Self { exponent: 2.0 }
     }
 }
 
@@ -50,11 +49,11 @@ register_model! {
     slot: Viscous,
     model: PowerLaw,
     name: "power_law",
-    summary: "viscous friction of a lubricant that shears thin or thick",
+    summary: "viscous friction in proportion to a power of velocity",
     equation: "f_v = F_vp sgn(q̇) |q̇|^exponent",
-    use_when: "friction is curved against velocity, in one column",
+    use_when: "friction grows faster than velocity, in one column",
     source: "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky (1998)",
-    example: r#"{ model = "power_law", exponent = 0.5 }"#,
+    example: r#"{ model = "power_law", exponent = 2.0 }"#,
 }
 
 impl JointModel for PowerLaw {

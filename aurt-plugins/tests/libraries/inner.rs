@@ -97,7 +97,7 @@ fn errors_name_the_known_models_the_place_and_what_was_meant() {
 
     let said = problems("model = \"eyring\"", "model = \"stop\"");
     assert!(said.contains("`stop` is a model for `hysteresis`"), "{said}");
-    assert!(said.contains("`eyring`, `polynomial`, `saturating`"), "{said}");
+    assert!(said.contains("`eyring`, `polynomial`, `power_law`, `saturating`"), "{said}");
 
     let said = problems("transition_velocity_rad_s = 0.5", "transition_velocity_rad_s = -1.0");
     assert!(said.contains("must be positive, is -1") && said.contains("e.toml:10:"), "{said}");
