@@ -120,6 +120,42 @@ fn a_diagnosis_in_memory_gives_typed_effects_and_the_improved_model() {
     assert!((stiffness.value - 8.0).abs() < 1.0, "{stiffness:?}");
 }
 
+/// What the structure lacks is what the calibration recordings alone show, whichever targets stand beside them.
+#[test]
+fn the_structure_does_not_depend_on_the_targets() {
+    let cable = || effects::Spring { joint: 1, stiffness_nm_rad: 8.0, rest_rad: 0.3 };
+    let with = |seed, more: Vec<Box<dyn effects::Effect>>| {
+        recorded(seed, [Box::new(cable()) as Box<dyn effects::Effect>].into_iter().chain(more).collect())
+    };
+    let calibration = [1, 2].map(|seed| with(seed, Vec::new()));
+    let found = |targets: &[Recording]| {
+        let alone = Diagnoser::new(two_link().model().build().unwrap());
+        let diagnoser = calibration.iter().fold(alone, |d, recording| d.calibration(recording));
+        let diagnoser = targets.iter().fold(diagnoser, |d, recording| d.target(recording));
+        let diagnosis = diagnoser.diagnose(&Progress::silent()).unwrap();
+        let effects = diagnosis.effects();
+        let (changed, structure): (Vec<_>, Vec<_>) =
+            effects.iter().partition(|found| found.presence() == Presence::Target);
+        [structure, changed].map(|of| {
+            let mut of: Vec<_> =
+                of.iter().map(|f| (f.finding.effect.clone(), f.finding.joints.clone())).collect();
+            of.sort();
+            of
+        })
+    };
+    let [alone, _] = found(&[]);
+    // The rotors of the machine are no part of the model either.
+    assert_eq!(alone, [("rotor_inertia".to_owned(), vec![1]), ("spring".to_owned(), vec![1])]);
+    let other =
+        effects::TorqueRipple { joint: 0, order: 9.0, amplitude_nm: 2.0, phase_rad: 0.4, overtone: 0.0 };
+    let changed = with(3, vec![Box::new(other)]);
+    for (target, expected) in
+        [(with(4, Vec::new()), vec![]), (changed, vec![("torque_ripple".to_owned(), vec![0])])]
+    {
+        assert_eq!(found(&[target]), [alone.clone(), expected]);
+    }
+}
+
 /// A drive's losses are a share of the load that the final model has: the model without them takes the arm for heavier.
 #[test]
 fn losses_of_a_drive_are_shares_of_the_load_that_it_carries() {

@@ -41,7 +41,7 @@ use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposa
 /// of the model. Below 1 the column is hard to tell from dry friction; the law that saturates is there instead.
 const EXPONENT: f64 = 2.5;
 
-/// Where it is sought: off 1, which the model itself has.
+/// Bounds of the exponent: above 1, which the model itself has, and up to the cube.
 const POWER: Shape = Shape::logarithmic("velocity_exponent", "/viscous/exponent", [1.2, 3.0], 0.25);
 
 /// Velocities v_s from which the search for the saturating law begins. Below a quarter of a radian per second it is hard to tell

@@ -26,13 +26,8 @@ pub(crate) fn groups(
             let wanted = match candidate.proposal.presence {
                 Presence::Known => !target_only && reference,
                 Presence::Change => target_only && target,
-                Presence::Any => {
-                    if target_only {
-                        target
-                    } else {
-                        reference
-                    }
-                }
+                Presence::Any if target_only => target,
+                Presence::Any => reference,
             };
             if !wanted {
                 continue;

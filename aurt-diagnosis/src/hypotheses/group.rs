@@ -24,7 +24,7 @@ pub struct Group {
     pub joints: Vec<usize>,
     /// Index of the candidate that it comes from.
     pub candidate: usize,
-    /// What the calibration recordings alone show: it stays in the model.
+    /// True for an effect that the calibration recordings alone show: it stays in the model.
     pub is_known: bool,
     /// Its coefficients.
     pub switches: Vec<Switch>,

@@ -21,7 +21,7 @@ pub struct Delay {
     pub std_s: f64,
     /// Evidence in nats.
     pub score: f64,
-    /// Whether only the target recordings are late.
+    /// True where only the target recordings are late.
     pub target_only: bool,
 }
 
@@ -72,7 +72,7 @@ impl Around<'_> {
 pub(super) struct Scan {
     target_only: bool,
     step_s: f64,
-    /// Of delays −before … steps, one after the other.
+    /// Errors at delays of −before … steps, one after the other.
     errors: VecDeque<Vec<f64>>,
     /// Delays below zero.
     before: usize,
@@ -81,7 +81,7 @@ pub(super) struct Scan {
     floor: Vec<f64>,
     /// ½ n_eff of each joint.
     effective: Vec<f64>,
-    /// What a score has to exceed.
+    /// Least score of a delay.
     least: f64,
     /// Least log-MSE that an effect has to gain, on one joint or over all.
     reduction: f64,
@@ -181,7 +181,7 @@ impl Scan {
         for _ in 0..MOST_TURNS {
             let (slope, bend) = at(u).fold((0.0, 0.0), |sum, ([s, b], _)| (sum.0 + s, sum.1 + b));
             let next = (u - slope / bend).clamp(-1.0, 1.0);
-            // Without a bend upwards there is no lowest point.
+            // A parabola that bends down has no minimum.
             if !(bend > 0.0 && next.is_finite()) || (next - u).abs() < CONVERGED {
                 break;
             }

@@ -89,7 +89,7 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
     pub misfit: Vec<f64>,
-    /// Whether it is known what the calibration recordings alone lack.
+    /// True once the calibration recordings were investigated alone.
     pub structure_known: bool,
     /// Whether the calibration recordings leave open what the targets' motion needs, so that both were fitted together.
     pub undetermined: bool,

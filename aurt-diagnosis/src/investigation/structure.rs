@@ -9,7 +9,7 @@ use aurt_plugins::Registry;
 use crate::effects::time_delay::EFFECT as DELAY;
 use crate::investigation::investigate;
 use crate::recordings::rows::Role;
-use crate::request::{Known, Question, QuestionedRecording};
+use crate::request::{Question, QuestionedRecording, StructuralEffect};
 use crate::vocabulary::{Presence, Proposal};
 
 /// The effects of the calibration recordings; none where there are no targets, where a model is given, or where the calibration
@@ -18,7 +18,7 @@ pub(super) fn structure_alone(
     question: &Question<'_>,
     registry: &Registry,
     progress: &mut impl FnMut(&str),
-) -> Option<Vec<Known>> {
+) -> Option<Vec<StructuralEffect>> {
     let of = |role: Role| question.recordings.iter().filter(move |r| r.role == role);
     if question.frozen.is_some() || of(Role::Target).next().is_none() {
         return None;
@@ -31,7 +31,7 @@ pub(super) fn structure_alone(
     let known = groups.filter(|g| g.is_named() && *g.effect != DELAY).map(|g| {
         let proposal =
             Proposal { presence: Presence::Known, ..found.candidates[g.candidate].proposal.clone() };
-        Known { effect: g.effect, proposal }
+        StructuralEffect { effect: g.effect, proposal }
     });
     (!found.undetermined).then(|| known.collect())
 }

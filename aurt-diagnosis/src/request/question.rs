@@ -169,7 +169,7 @@ fn constant(series: &[f64]) -> Option<f64> {
 
 /// An effect of the calibration recordings, with the shapes that they give it.
 #[derive(Debug, Clone)]
-pub struct Known {
+pub struct StructuralEffect {
     /// The effect.
     pub effect: &'static Effect,
     /// Its term.
@@ -195,8 +195,8 @@ pub struct Question<'a> {
     pub selection: SelectionOptions,
     /// Effects that are not to be considered (for proofs of `unexplained`).
     pub without: &'a [String],
-    /// What the calibration recordings alone lack, once that was asked: every model of the targets has it.
-    pub structure: Option<&'a [Known]>,
+    /// Effects that the calibration recordings alone show, once these were asked; `None` before. Every model of the targets has them.
+    pub structure: Option<&'a [StructuralEffect]>,
 }
 
 impl Question<'_> {

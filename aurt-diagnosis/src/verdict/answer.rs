@@ -33,20 +33,25 @@ pub(crate) fn answers(
     let word = |is_asked: &dyn Fn(&[String]) -> bool, question: &Asked| {
         let named: Vec<&Finding> = effects.iter().filter(|f| is_asked(&f.present_in)).collect();
         let nameless = registered.iter().any(|r| is_asked(&r.present_in));
-        word(investigation, &named, nameless, question)
+        word(investigation, &named, nameless || question.unclaimed, question)
     };
     let coincidence = coincidences(investigation);
     match errors.change {
         Some(left) => {
-            let change = match word(&|p| !in_all(p), &Asked { left, coincidence }) {
+            let change = match word(&|p| !in_all(p), &Asked { left, coincidence, unclaimed: false }) {
                 // Both were fitted together, for want of a reference: what has changed can hide in that.
                 Answer::NoMismatch if investigation.undetermined => Answer::Unexplained,
                 answer => answer,
             };
-            let missing = Asked { left: errors.structure || something, coincidence: false };
+            let chosen = &investigation.selection.chosen;
+            let unclaimed = chosen.iter().any(|c| investigation.only_together(c.group));
+            let missing = Asked { left: errors.structure || something, coincidence: false, unclaimed };
             (change, Some(word(&in_all, &missing)))
         }
-        None => (word(&|_| true, &Asked { left: errors.structure || something, coincidence }), None),
+        None => (
+            word(&|_| true, &Asked { left: errors.structure || something, coincidence, unclaimed: false }),
+            None,
+        ),
     }
 }
 
@@ -55,6 +60,8 @@ struct Asked {
     /// Whether more than noise is left.
     left: bool,
     coincidence: bool,
+    /// True where the model has an effect that is not claimed: something is there, as where a model without a name is.
+    unclaimed: bool,
 }
 
 fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked: &Asked) -> Answer {

@@ -71,7 +71,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let full = (&**all, &*fit.coefficients);
     let fitted_rests = rests(investigation, &investigation.rows, own, full);
     let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
-    let has_claims = !investigation.selection.chosen.is_empty();
+    let has_claims = investigation.selection.chosen.iter().any(|c| !investigation.only_together(c.group));
     let (remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
     for (joint, of_trees) in residual.iter_mut().zip(&remainder) {
         joint.follows = of_trees.follows.first().map(|f| f.feature.clone());
