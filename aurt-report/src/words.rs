@@ -127,7 +127,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     let of = |wanted: Place| brief(verdict, |f| place(f, asked) == wanted);
     let [changes, missing, before, fault] =
         [Place::Changed, Place::Missing, Place::Before, Place::Fault].map(of);
-    let nameless = "something that no known effect explains";
+    let nameless = "something that no claim explains";
     let difference = match (verdict.verdict, changes, before) {
         (Answer::NoMismatch, ..) => "nothing has changed".to_owned(),
         (Answer::HeldOutDiffers, ..) => "no change was found in the target".to_owned(),
@@ -186,7 +186,7 @@ fn missing(verdict: &Verdict, asked: Asked) -> String {
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::PartlyExplained, found) => {
             let found = found.unwrap_or_else(|| "something".to_owned());
-            format!("the model lacks {found}, and something that no known effect explains")
+            format!("the model lacks {found}, and something that no claim explains")
         }
         (Answer::Unexplained, Some(found)) => {
             format!("the model lacks something that no known effect explains; part of it resembles {found}")

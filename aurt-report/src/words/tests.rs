@@ -136,7 +136,7 @@ fn a_headline_names_changes_first_then_what_is_missing_each_by_its_evidence() {
         headline(&found, Asked::Change),
         format!(
             "changed since calibration: {} on joint 0, and one more effect; in all recordings the model lacks {} on joint 1, and one \
-             more effect, and something that no known effect explains",
+             more effect, and something that no claim explains",
             title("torque_constant"),
             title("stribeck")
         )
