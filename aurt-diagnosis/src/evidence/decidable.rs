@@ -57,6 +57,7 @@ pub(crate) fn groups(
                 is_known: candidate.proposal.presence == Presence::Known,
                 accessory: essential.iter().zip(&switches).filter(|(e, _)| !**e).map(|(_, s)| *s).collect(),
                 switches,
+                shapes: candidate.proposal.shapes.len(),
             });
         }
     }

@@ -30,6 +30,8 @@ pub struct Group {
     pub switches: Vec<Switch>,
     /// Those of them that are not what the effect is named for.
     pub accessory: Vec<Switch>,
+    /// Number of shape parameters that are estimated beside them.
+    pub shapes: usize,
 }
 
 impl Group {
@@ -41,6 +43,11 @@ impl Group {
     /// Whether it is of the vocabulary, and not a registered model.
     pub(crate) fn is_named(&self) -> bool {
         *self.effect != REGISTERED
+    }
+
+    /// Number of parameters that are estimated: coefficients and shapes.
+    pub(crate) fn freedoms(&self) -> usize {
+        self.switches.len() + self.shapes
     }
 
     /// Whether another effect is a simpler law that this one has to beat.

@@ -1,7 +1,5 @@
 //! Delays of the measurement, or of positions, scanned.
 
-use std::collections::VecDeque;
-
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
@@ -28,11 +26,11 @@ pub struct Delay {
 /// Steps of the scan per period of `f_dyn_hz`: V is a parabola over several of them.
 const STEPS_PER_PERIOD: f64 = 40.0;
 
-/// Steps of the scan: up to a whole period.
+/// Steps of the scan to either side: up to a whole period.
 const STEPS: usize = 40;
 
-/// Steps behind the lowest point after which the scan ends.
-const BEYOND: usize = 4;
+/// Steps to either side of a joint's lowest error over which this is a parabola of the delay: a tenth of a period.
+const PARABOLIC: usize = 4;
 
 /// Share of a step at which the lowest point is looked at once more, and how often at most.
 const FINE: f64 = 0.25;
@@ -73,7 +71,7 @@ pub(super) struct Scan {
     target_only: bool,
     step_s: f64,
     /// Errors at delays of −before … steps, one after the other.
-    errors: VecDeque<Vec<f64>>,
+    errors: Vec<Vec<f64>>,
     /// Delays below zero.
     before: usize,
     /// A delay near the lowest point, and the errors a quarter of a step before it, at it, and as much after it.
@@ -111,31 +109,19 @@ impl Scan {
             let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
             (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
         };
+        // Friction that lags makes valleys of its own: the lowest is known when all have been seen.
+        let most = STEPS as i32;
         let mut scan = Self {
             target_only,
             step_s,
-            errors: [-step_s, 0.0, step_s].map(&mut at).into(),
-            before: 1,
+            errors: (-most..=most).map(|k| at(f64::from(k) * step_s)).collect(),
+            before: STEPS,
             fine: None,
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
             reduction: -(1.0 - question.selection.reduction).ln(),
         };
-        // Downhill.
-        let is_negative = scan.value(&scan.errors[0]) < scan.value(&scan.errors[2]);
-        for k in 2..=STEPS {
-            let beyond = if is_negative { scan.lowest() } else { scan.errors.len() - 1 - scan.lowest() };
-            if beyond >= BEYOND {
-                break;
-            }
-            if is_negative {
-                scan.errors.push_front(at(-(k as f64) * step_s));
-                scan.before = k;
-            } else {
-                scan.errors.push_back(at(k as f64 * step_s));
-            }
-        }
         let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
         for _ in 0..CENTERINGS {
             let Some(center_s) = center else { break };
@@ -236,25 +222,27 @@ impl Scan {
         (score > self.least && clear && agreed && matters).then_some(delay)
     }
 
-    /// The delay that each joint shows by itself, s, and its variance: where the parabola through its mean squared errors is
-    /// lowest, one step beyond none and beyond the common delay included. None of a joint whose errors have no minimum.
+    /// The delay that each joint shows by itself, s, and its variance: the lowest point of a parabola through its mean squared errors
+    /// around the lowest, of the delays from one step beyond none to one beyond the common delay. None of a joint whose errors have
+    /// no minimum.
     fn of_joints(&self) -> Vec<Option<[f64; 2]>> {
         let (lowest, none) = (self.lowest(), self.before);
         let first = lowest.min(none).saturating_sub(1);
         let last = (lowest.max(none) + 1).min(self.errors.len() - 1);
-        let n = (last - first + 1) as f64;
-        let middle = 0.5 * (first + last) as f64;
-        let places: Vec<f64> = (first..=last).map(|k| k as f64 - middle).collect();
-        let square = places.iter().map(|u| u * u).sum::<f64>() / n;
-        let spread = places.iter().map(|u| (u * u - square).powi(2)).sum::<f64>();
         let of_joint = |joint: usize| {
-            let errors = || self.errors.range(first..=last).map(|e| e[joint]).zip(&places);
+            let error = |k: &usize| self.errors[*k][joint];
+            let own = (first..=last).min_by(|a, b| error(a).total_cmp(&error(b)))?;
+            let around = first.max(own.saturating_sub(PARABOLIC))..=last.min(own + PARABOLIC);
+            let n = around.clone().count() as f64;
+            let middle = 0.5 * (around.start() + around.end()) as f64;
+            let errors = || around.clone().map(|k| (error(&k), k as f64 - middle));
+            let square = errors().map(|(_, u)| u * u).sum::<f64>() / n;
+            let spread = errors().map(|(_, u)| (u * u - square).powi(2)).sum::<f64>();
             let slope = errors().map(|(e, u)| e * u).sum::<f64>() / (n * square);
             let bend = errors().map(|(e, u)| e * (u * u - square)).sum::<f64>() / spread;
-            let least = errors().map(|(e, _)| e).fold(f64::INFINITY, f64::min);
             let place = middle - none as f64 - 0.5 * slope / bend;
-            let variance = least / (2.0 * bend * self.effective[joint]);
-            // Whose deviation is longer than what was scanned tells none of these delays from another.
+            let variance = error(&own) / (2.0 * bend * self.effective[joint]);
+            // Whose deviation is longer than what was looked at tells none of these delays from another.
             let is_known = bend > 0.0 && variance > 0.0 && variance < n * n && place.is_finite();
             is_known.then_some([place * self.step_s, variance * self.step_s * self.step_s])
         };
@@ -295,7 +283,7 @@ mod tests {
         Scan {
             target_only: false,
             step_s: 0.002,
-            errors: errors.into(),
+            errors,
             before: 1,
             fine: None,
             floor: vec![1.0; joints],
@@ -326,6 +314,18 @@ mod tests {
         let mut high = scan((-1..5).map(|k| vec![0.8 * error(k); 3]).collect());
         high.floor = vec![20.0; 3];
         assert!((high.size().unwrap()[0] - 0.32 * 0.002).abs() < 1e-8);
+    }
+
+    /// Errors of a band-limited motion are parabolas near their lowest point alone, and friction that lags has a valley of its own.
+    #[test]
+    fn a_long_delay_is_found_behind_a_shallow_valley() {
+        let bell = |x: f64| (-0.5 * x * x).exp();
+        let error = |k: f64| 2.0 - 0.2 * bell((k - 2.0) / 3.0) - 1.2 * bell((k - 31.0) / 6.0);
+        let errors = (-40..=40).map(|k| [0.3, -0.4, 0.1].map(|off| error(f64::from(k) + off)).to_vec());
+        let mut long = scan(errors.collect());
+        long.before = 40;
+        let found = long.delay().unwrap();
+        assert!((found.delay_s - 0.062).abs() < 0.001 && found.std_s < 0.001, "{found:?}");
     }
 
     #[test]

@@ -204,7 +204,7 @@ impl Scoring<'_> {
         expected < self.options.tie_nats || !is_better(&blocks)
     }
 
-    /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
+    /// Among the best and those as good, the one of fewest parameters; a law gives way to a simpler one that it does
     /// not beat by the least score. Friction differs from day to day, so a change of anything else on one joint has to be
     /// clearly better than a change of its friction.
     pub(crate) fn frugal(&self, ranked: &[(usize, f64)]) -> Option<usize> {
@@ -214,7 +214,7 @@ impl Scoring<'_> {
             .iter()
             .filter(|(_, score)| *score >= near)
             // The vocabulary wins ties.
-            .min_by_key(|(g, _)| (!self.groups[*g].is_named(), self.groups[*g].switches.len()))
+            .min_by_key(|(g, _)| (!self.groups[*g].is_named(), self.groups[*g].freedoms()))
             .map_or(first, |(g, _)| *g);
         let simpler = ranked.iter().find(|(g, score)| {
             self.groups[choice].generalises(&self.groups[*g]) && *score >= best - self.options.score

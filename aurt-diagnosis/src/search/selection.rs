@@ -337,7 +337,7 @@ impl Scoring<'_> {
     }
 
     /// Groups of other effects that do as well in the place of the i-th of the chosen, or of which the data leave open
-    /// whether they do. One with more coefficients that does no better contains the chosen one, unless it is the same
+    /// whether they do. One with more coefficients and parameters that does no better contains the chosen one, unless it is the same
     /// force in other coordinates.
     fn rivals(&self, chosen: &[usize], i: usize, score: f64) -> Vec<Rival> {
         let own = &self.groups[chosen[i]];
@@ -346,8 +346,8 @@ impl Scoring<'_> {
         let near = self.near(score);
         let other = |g: &usize| {
             let other = &self.groups[*g];
-            (other.switches.len() <= own.switches.len() || other.effect.is_same_force(own.effect))
-                && other.effect != own.effect
+            let is_simple = other.switches.len() <= own.switches.len() || other.freedoms() <= own.freedoms();
+            (is_simple || other.effect.is_same_force(own.effect)) && other.effect != own.effect
         };
         let ranked = self.rank(&fit, |g| !rest.contains(&g) && self.meet(g, chosen[i]) && other(&g));
         let rival = |(group, score)| Rival {

@@ -136,6 +136,7 @@ fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
         candidate: column,
         switches: vec![switch(column, target_only)],
         accessory: Vec::new(),
+        shapes: 0,
     }
 }
 

@@ -122,7 +122,9 @@ impl<'a> Background<'a> {
                     && !claims.iter().any(|c| named(e, c))
             };
             let here = |e: &TrueEffect| e.joints.contains(&joint) && (named(e, claim) || or(e));
-            truth.effects.iter().any(here)
+            // What was claimed before the effect came is no claim of it.
+            let came = |e: &TrueEffect| is_change(&e.present_in) && !change;
+            truth.effects.iter().any(|e| here(e) && !came(e))
         };
         let joints: Vec<usize> = if whole_arm(&claim.effect) {
             claim.joints.clone()

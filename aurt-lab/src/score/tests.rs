@@ -143,6 +143,12 @@ fn the_background_and_the_reference_are_no_news() {
     let after = claim("named", &[claimed("rotor_inertia", &[0, 1], "calibration"), right.clone()]);
     assert!(score(&spring(), &after, None, Some(&before)).right);
     assert!(!score(&spring(), &after, None, None).right);
+    let rotor = truth("single", &[effect("rotor_inertia", &[1], "target")]);
+    let came = claimed("rotor_inertia", &[1], "target");
+    let beside = claim("named", &[came.clone(), claimed("rotor_inertia", &[0, 1], "calibration")]);
+    let scored = score(&rotor, &beside, None, Some(&before));
+    assert!(scored.right && scored.beside == 0, "what was claimed before is no news");
+    assert_eq!(score(&rotor, &beside, None, None).beside, 2);
     let old = claim("named", &[right]);
     assert!(score(&spring(), &old, None, Some(&old)).known_before);
 }
