@@ -106,13 +106,10 @@ impl<'a, 'b> Estimate<'a, 'b> {
             }
             shrunk *= SHRINK;
         }
-        // What machines usually have is kept where the recordings do not speak against it.
-        let options = &self.ground.question.selection;
-        if self.shapes.iter().all(|s| s.usual) {
-            let brings = self.errors(&[]).map_or(0.0, |errors| self.likelihood(&errors) - usual.1);
-            if usual.1 - least < options.score.max(options.share * brings) {
-                (values, least) = usual;
-            }
+        // What machines usually have is kept where no effect would be claimed on the evidence against it.
+        let least_score = self.ground.question.selection.score;
+        if self.shapes.iter().all(|s| s.usual) && usual.1 - least < least_score {
+            (values, least) = usual;
         }
         let deviations =
             if self.beside.deviations { self.deviations(&values, least) } else { vec![None; values.len()] };

@@ -24,8 +24,7 @@ pub struct Shape {
     pub scale: Scale,
     /// First step of the search: a difference, or the logarithm of a ratio.
     pub step: f64,
-    /// Whether its starts are what machines usually have, and kept unless another value is better by the least score of an
-    /// effect and by the least share of what the law itself brings.
+    /// Whether its starts are what machines usually have, and kept unless another value is better by the least score of an effect.
     pub usual: bool,
 }
 

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::claim::{Claim, ClaimedEffect};
-use crate::case::Truth;
+use crate::case::{TrueEffect, Truth};
 
 /// How far a claimed parameter is off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterErr
     for effect in &truth.effects {
         let claims: Vec<&ClaimedEffect> =
             claim.effects.iter().filter(|f| f.effect == effect.effect).collect();
-        for (name, values) in &effect.parameters {
+        for (name, values) in &named_as(effect, &claims) {
             for (place, value) in values.iter().enumerate() {
                 // Values run along the effect's joints unless there is but one for all of them.
                 let joint = (values.len() == effect.joints.len()).then(|| effect.joints[place]);
@@ -48,6 +48,30 @@ pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterErr
         }
     }
     errors
+}
+
+/// The parameters of an effect as a claim names it. The motor of a coupling turns with two joints, ω = q̇_j + r q̇_k; with the other
+/// one for its own it turns with ω/r, so that the ratio is 1/r, viscous friction and inertia are r² and Coulomb friction |r| times as
+/// large.
+fn named_as(effect: &TrueEffect, claims: &[&ClaimedEffect]) -> Vec<(String, Vec<f64>)> {
+    let of = |name: &str| effect.parameters.iter().find(|(n, _)| n == name).and_then(|(_, v)| v.first());
+    let own = || claims.iter().find_map(|c| claimed_value(c, "partner", None));
+    let (Some(ratio), Some(partner), Some((claimed, _))) = (of("ratio"), of("partner"), own()) else {
+        return effect.parameters.clone();
+    };
+    if claimed == *partner {
+        return effect.parameters.clone();
+    }
+    let other = |(name, values): &(String, Vec<f64>)| {
+        let of_other = |value: &f64| match name.as_str() {
+            "partner" => claimed,
+            "ratio" => 1.0 / ratio,
+            "coulomb_nm" => value * ratio.abs(),
+            _ => value * ratio * ratio,
+        };
+        (name.clone(), values.iter().map(of_other).collect())
+    };
+    effect.parameters.iter().map(other).collect()
 }
 
 /// The claimed value of a parameter and its deviation, at a joint where the claim has one for each.
