@@ -27,7 +27,10 @@ pub struct Delay {
 const STEPS_PER_PERIOD: f64 = 40.0;
 
 /// Steps of the scan to either side: up to a whole period.
-const STEPS: usize = 40;
+const STEPS: i32 = 40;
+
+/// Steps from one look for valleys to the next, an eighth of a period: what is limited to f_dyn has none narrower than a quarter.
+const VALLEY: usize = 5;
 
 /// Steps to either side of a joint's lowest error over which this is a parabola of the delay: a tenth of a period.
 const PARABOLIC: usize = 4;
@@ -110,18 +113,23 @@ impl Scan {
             (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
         };
         // Friction that lags makes valleys of its own: the lowest is known when all have been seen.
-        let most = STEPS as i32;
         let mut scan = Self {
             target_only,
             step_s,
-            errors: (-most..=most).map(|k| at(f64::from(k) * step_s)).collect(),
-            before: STEPS,
+            errors: Vec::new(),
+            before: 0,
             fine: None,
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
             reduction: -(1.0 - question.selection.reduction).ln(),
         };
+        let valleys: Vec<i32> = (-STEPS..=STEPS).step_by(VALLEY).collect();
+        let heights = valleys.iter().map(|k| scan.value(&at(f64::from(*k) * step_s)));
+        let lowest = heights.zip(&valleys).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, k)| *k);
+        let [first, last] = [(lowest - VALLEY as i32).min(-1), (lowest + VALLEY as i32).max(1)];
+        scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();
+        scan.before = first.unsigned_abs() as usize;
         let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
         for _ in 0..CENTERINGS {
             let Some(center_s) = center else { break };
