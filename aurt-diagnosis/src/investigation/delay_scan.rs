@@ -29,10 +29,12 @@ const STEPS_PER_PERIOD: f64 = 40.0;
 /// Steps of the scan to either side: up to a whole period.
 const STEPS: i32 = 40;
 
-/// Steps from one look for valleys to the next, an eighth of a period: what is limited to f_dyn has none narrower than a quarter.
+/// Steps from one look for valleys to the next, an eighth of a period: the error 1 − cos 2πfd of a motion at f ≤ f_dyn reaches half its
+/// height a quarter of a period from the lowest point, so that each valley is looked into four times.
 const VALLEY: usize = 5;
 
-/// Steps to either side of a joint's lowest error over which this is a parabola of the delay: a tenth of a period.
+/// Steps to either side of a joint's lowest error over which it is a parabola of the delay: after a tenth of a period 1 − cos 2πfd is
+/// within 4 % of ½ (2πfd)².
 const PARABOLIC: usize = 4;
 
 /// Share of a step at which the lowest point is looked at once more, and how often at most.
@@ -112,7 +114,6 @@ impl Scan {
             let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
             (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
         };
-        // Friction that lags makes valleys of its own: the lowest is known when all have been seen.
         let mut scan = Self {
             target_only,
             step_s,
@@ -124,10 +125,7 @@ impl Scan {
             least: question.selection.score,
             reduction: -(1.0 - question.selection.reduction).ln(),
         };
-        let valleys: Vec<i32> = (-STEPS..=STEPS).step_by(VALLEY).collect();
-        let heights = valleys.iter().map(|k| scan.value(&at(f64::from(*k) * step_s)));
-        let lowest = heights.zip(&valleys).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, k)| *k);
-        let [first, last] = [(lowest - VALLEY as i32).min(-1), (lowest + VALLEY as i32).max(1)];
+        let (first, last) = window(|k| scan.value(&at(f64::from(k) * step_s)));
         scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();
         scan.before = first.unsigned_abs() as usize;
         let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
@@ -258,6 +256,14 @@ impl Scan {
     }
 }
 
+/// The first and the last step around the lowest valley, those around none included. Friction that lags makes valleys of its own: which
+/// one is the lowest is known when all have been looked into.
+fn window(mut height: impl FnMut(i32) -> f64) -> (i32, i32) {
+    let heights = (-STEPS..=STEPS).step_by(VALLEY).map(|k| (k, height(k)));
+    let lowest = heights.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(k, _)| k);
+    ((lowest - VALLEY as i32).min(-1), (lowest + VALLEY as i32).max(1))
+}
+
 /// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and friction that lags on
 /// every joint. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
 fn model(investigation: &Investigation) -> Vec<Switch> {
@@ -329,10 +335,10 @@ mod tests {
     fn a_long_delay_is_found_behind_a_shallow_valley() {
         let bell = |x: f64| (-0.5 * x * x).exp();
         let error = |k: f64| 2.0 - 0.2 * bell((k - 2.0) / 3.0) - 1.2 * bell((k - 31.0) / 6.0);
-        let errors = (-40..=40).map(|k| [0.3, -0.4, 0.1].map(|off| error(f64::from(k) + off)).to_vec());
-        let mut long = scan(errors.collect());
-        long.before = 40;
-        let found = long.delay().unwrap();
+        let (first, last) = window(|k| error(f64::from(k)));
+        assert!(first == -1 && (33..40).contains(&last), "{first} {last}");
+        let errors = (first..=last).map(|k| [0.3, -0.4, 0.1].map(|off| error(f64::from(k) + off)).to_vec());
+        let found = scan(errors.collect()).delay().unwrap();
         assert!((found.delay_s - 0.062).abs() < 0.001 && found.std_s < 0.001, "{found:?}");
     }
 

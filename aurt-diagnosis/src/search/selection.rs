@@ -336,9 +336,9 @@ impl Scoring<'_> {
         Selection { chosen: found, before, after: full }
     }
 
-    /// Groups of other effects that do as well in the place of the i-th of the chosen, or of which the data leave open
-    /// whether they do. One with more coefficients and parameters that does no better contains the chosen one, unless it is the same
-    /// force in other coordinates.
+    /// Groups of other effects that do as well as the i-th of the chosen, or of which the data leave open whether they do. One
+    /// that has more coefficients and more parameters and does no better contains the chosen one, unless it is the same force in
+    /// other coordinates.
     fn rivals(&self, chosen: &[usize], i: usize, score: f64) -> Vec<Rival> {
         let own = &self.groups[chosen[i]];
         let rest = without(chosen, i);

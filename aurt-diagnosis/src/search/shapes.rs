@@ -106,7 +106,7 @@ impl<'a, 'b> Estimate<'a, 'b> {
             }
             shrunk *= SHRINK;
         }
-        // What machines usually have is kept where no effect would be claimed on the evidence against it.
+        // A usual value gives way to evidence on which an effect would be claimed.
         let least_score = self.ground.question.selection.score;
         if self.shapes.iter().all(|s| s.usual) && usual.1 - least < least_score {
             (values, least) = usual;

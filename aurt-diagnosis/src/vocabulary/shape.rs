@@ -24,7 +24,7 @@ pub struct Shape {
     pub scale: Scale,
     /// First step of the search: a difference, or the logarithm of a ratio.
     pub step: f64,
-    /// Whether its starts are what machines usually have, and kept unless another value is better by the least score of an effect.
+    /// True where its starts are the values of most machines: they are kept unless another is better by the least score of an effect.
     pub usual: bool,
 }
 

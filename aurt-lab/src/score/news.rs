@@ -122,9 +122,9 @@ impl<'a> Background<'a> {
                     && !claims.iter().any(|c| named(e, c))
             };
             let here = |e: &TrueEffect| e.joints.contains(&joint) && (named(e, claim) || or(e));
-            // What was claimed before the effect came is no claim of it.
-            let came = |e: &TrueEffect| is_change(&e.present_in) && !change;
-            truth.effects.iter().any(|e| here(e) && !came(e))
+            // A claim of all recordings does not speak of an effect that came with the later ones.
+            let came_later = |e: &TrueEffect| is_change(&e.present_in) && !change;
+            truth.effects.iter().any(|e| here(e) && !came_later(e))
         };
         let joints: Vec<usize> = if whole_arm(&claim.effect) {
             claim.joints.clone()

@@ -55,13 +55,11 @@ pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterErr
 /// large.
 fn named_as(effect: &TrueEffect, claims: &[&ClaimedEffect]) -> Vec<(String, Vec<f64>)> {
     let of = |name: &str| effect.parameters.iter().find(|(n, _)| n == name).and_then(|(_, v)| v.first());
-    let own = || claims.iter().find_map(|c| claimed_value(c, "partner", None));
-    let (Some(ratio), Some(partner), Some((claimed, _))) = (of("ratio"), of("partner"), own()) else {
+    let claimed = claims.iter().find_map(|c| claimed_value(c, "partner", None));
+    let named = of("partner").zip(claimed).filter(|(partner, (claimed, _))| *partner != claimed);
+    let (Some(ratio), Some((_, (claimed, _)))) = (of("ratio"), named) else {
         return effect.parameters.clone();
     };
-    if claimed == *partner {
-        return effect.parameters.clone();
-    }
     let other = |(name, values): &(String, Vec<f64>)| {
         let of_other = |value: &f64| match name.as_str() {
             "partner" => claimed,

@@ -242,6 +242,26 @@ fn deviations_cover_or_do_not_and_improvement_counts_when_the_name_is_wrong() {
 }
 
 #[test]
+fn a_coupling_is_compared_as_the_claim_names_it() {
+    let names = ["partner", "ratio", "inertia_kg_m2", "viscous_nm_s", "coulomb_nm"];
+    let mut coupling = truth("single", &[effect("joint_coupling_friction", &[0, 5], "target")]);
+    let values = [5.0, -2.0, 0.1, 0.3, 0.2];
+    coupling.effects[0].parameters =
+        names.map(str::to_owned).into_iter().zip(values.map(|v| vec![v])).collect();
+    let errors = |values: [f64; 5]| {
+        let mut one = claimed("joint_coupling_friction", &[0, 5], "target");
+        let of = |(name, value): (&str, f64)| (name.to_owned(), json!({ "value": value, "std": 0.01 }));
+        one["parameters"] = names.into_iter().zip(values).map(of).collect();
+        score(&coupling, &claim("named", &[one]), None, None).parameter_errors
+    };
+    assert!(errors(values).iter().all(|e| e.relative < 1e-12));
+    // The same motor turns with joint 5: half as fast, and what acts on it there is larger.
+    let other = errors([0.0, -0.5, 0.4, 1.2, 0.4]);
+    assert!(other.len() == 4 && other.iter().all(|e| e.relative < 1e-12), "{other:?}");
+    assert!(errors([0.0, -2.0, 0.1, 0.3, 0.2]).iter().all(|e| e.relative > 0.4));
+}
+
+#[test]
 fn confidence_is_learnt_on_other_worlds() {
     let mut scores = Vec::new();
     for (world, right) in [("clean", true), ("rough", false)] {
