@@ -4,7 +4,7 @@ use aurt_recording::Recording;
 
 use crate::error::DiagnosisError;
 use crate::injection::prepared::Prepared;
-use crate::investigation::repair_helps;
+use crate::investigation::JudgedFaults;
 use crate::recordings::rows::Role;
 use crate::request::{Question, QuestionedRecording};
 use crate::verdict::Answer;
@@ -37,21 +37,17 @@ impl Prepared<'_> {
         }
         let without = self.question.without;
         let repaired = recordings.iter().map(|r| r.repaired(without)).collect::<Result<Vec<_>, _>>()?;
-        let asked = repaired.iter().filter(|r| r.role != Role::Validation);
-        let faults: Vec<_> = asked
-            .filter_map(|r| r.spoilt.as_ref())
-            .flat_map(|s| s.faults.faults.iter().filter(|f| f.suffices).cloned())
-            .collect();
-        if faults.is_empty() {
-            return Ok(Vec::new());
-        }
+        let judged = JudgedFaults::new(
+            &Question { recordings: &recordings, ..*self.question },
+            &Question { recordings: &repaired, ..*self.question },
+        )?;
         let named = match self.verdict().verdict {
             Answer::NoMismatch | Answer::HeldOutDiffers | Answer::Named => true,
-            Answer::PartlyExplained | Answer::Unexplained => repair_helps(
-                &Question { recordings: &recordings, ..*self.question },
-                &Question { recordings: &repaired, ..*self.question },
-            )?,
+            Answer::PartlyExplained | Answer::Unexplained => judged.matter,
         };
-        Ok(faults.into_iter().map(|f| SeenFault { effect: f.effect, joints: f.joints, named }).collect())
+        let is_asked =
+            |name: &str| recordings.iter().any(|r| r.role != Role::Validation && r.data.name == name);
+        let sufficient = judged.faults.into_iter().filter(|f| f.suffices && is_asked(&f.recording));
+        Ok(sufficient.map(|f| SeenFault { effect: f.effect, joints: f.joints, named }).collect())
     }
 }

@@ -34,6 +34,10 @@ impl Ground for Known<'_, '_> {
         shares
     }
 
+    fn rows_per_s(&self) -> f64 {
+        self.recorded.rows_per_s()
+    }
+
     fn scores_by_chance(&self, _: &[Group], _: &[Switch], _: &[f64], _: &SelectionOptions) -> Chance {
         self.chance.clone()
     }

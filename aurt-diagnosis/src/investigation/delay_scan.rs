@@ -6,7 +6,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::agreement::agreement;
 use crate::investigation::shifted::shift;
-use crate::recordings::rows::Instrument;
+use crate::recordings::rows::{Instrument, mean_rate_hz};
 use crate::request::Question;
 use crate::vocabulary::Addition;
 
@@ -102,6 +102,7 @@ impl Scan {
             &switches,
             &fit.coefficients,
         );
+        let mean_share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
         let used = used_columns(investigation, &switches);
@@ -123,7 +124,7 @@ impl Scan {
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
-            reduction: -(1.0 - question.selection.reduction).ln(),
+            reduction: question.selection.least_log_error(mean_share * mean_rate_hz(&investigation.rows)),
         };
         let (first, last) = window(|k| scan.value(&at(f64::from(k) * step_s)));
         scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();

@@ -11,12 +11,12 @@ use aurt_calibration::student;
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::residuals::residuals;
+use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
 use crate::parameters::Parameters;
-use crate::recordings::rows::RecordingRows;
+use crate::recordings::rows::{RecordingRows, mean_rate_hz};
 use crate::request::Question;
 use crate::search::selection::Chosen;
 
@@ -128,7 +128,8 @@ struct Trial<'a> {
     joints: Vec<Vec<usize>>,
     parameters: Vec<Parameters>,
     reach_m: f64,
-    least_share: f64,
+    /// The log-MSE that it must bring on one of its joints, joint by joint.
+    least: Vec<f64>,
     whole: Fitted,
     /// Fits without one of it.
     without: Vec<(Vec<Switch>, Vec<f64>)>,
@@ -152,6 +153,9 @@ impl<'a> Trial<'a> {
         let of = |groups: &[&Group]| investigation.switches_of(groups.iter().copied());
         let whole = Fitted::new(investigation, of(&groups));
         let (fit, floor) = (&whole.fit, &investigation.floor);
+        let Investigation { rows, partition, layout, .. } = investigation;
+        let shares = shares(rows, partition, layout, &whole.switches, &fit.coefficients);
+        let rate_hz = mean_rate_hz(rows);
         let without: Vec<_> = (0..groups.len())
             .map(|i| {
                 let rest: Vec<&Group> =
@@ -183,7 +187,7 @@ impl<'a> Trial<'a> {
             confirmed: confirming(&whole.switches, &fit.coefficients),
             confirmed_without: without.iter().map(|(s, fit)| confirming(s, &fit.coefficients)).collect(),
             without: without.into_iter().map(|(switches, fit)| (switches, fit.coefficients)).collect(),
-            least_share: question.selection.reduction,
+            least: shares.iter().map(|s| question.selection.least_log_error(s * rate_hz)).collect(),
             investigation,
             groups,
             parameters,
@@ -210,12 +214,13 @@ impl<'a> Trial<'a> {
         let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
         let matters = self.joints[i].iter().any(|j| {
             let (with, without) = (sum(&self.errors, *j), sum(&self.errors_without[i], *j));
-            with < (1.0 - self.least_share) * without
+            with < (-self.least[*j]).exp() * without
         });
         if !matters {
+            let least = self.joints[i].iter().map(|j| self.least[*j]).fold(f64::INFINITY, f64::min);
             fails.push(format!(
                 "it reduces the squared error of no joint by {:.0} % beyond the other selected effects",
-                100.0 * self.least_share
+                100.0 * (1.0 - (-least).exp())
             ));
         }
         fails.extend(self.contradicted(i));

@@ -21,7 +21,7 @@ pub(crate) use earned::{WORSE, concerned, earn};
 pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub use late::{Delay, Late};
-pub(crate) use repairs::repair_helps;
+pub(crate) use repairs::JudgedFaults;
 use reselected::reselect;
 pub(crate) use reshaped::reshape;
 pub(crate) use selecting::mean_floor;
@@ -274,11 +274,9 @@ fn examine(
     let repaired = |r: &QuestionedRecording| r.repaired(question.without);
     let recordings = question.recordings.iter().map(repaired).collect::<Result<Vec<_>, _>>()?;
     let constant = constant_joints(&recordings);
-    let faults: Vec<Fault> =
-        recordings.iter().filter_map(|r| r.spoilt.as_ref()).flat_map(|s| s.faults.faults.clone()).collect();
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
-    let faults_matter = faults.iter().any(|f| f.suffices) && repair_helps(as_recorded, question)?;
+    let JudgedFaults { faults, matter: faults_matter } = JudgedFaults::new(as_recorded, question)?;
     progress("fitting the reference model");
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that

@@ -4,21 +4,51 @@ use crate::effects::{dropped_samples, saturation};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, evaluate_all};
 use crate::evidence::judged::prepare;
+use crate::faults::Fault;
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::Question;
+use crate::vocabulary::Effect;
 
 /// A repair matters if it lowers the mean squared residual of some joint by this share.
 const REPAIRED: f64 = 0.1;
 
-/// Whether the model in question fits the repaired recordings better than the recordings as they were made, which are examined
-/// like them but for the repair.
-pub(crate) fn repair_helps(
+/// The faults of recordings, and whether their repair matters.
+pub(crate) struct JudgedFaults {
+    /// The faults. Those of an effect whose repair matters suffice, however few rows they concern.
+    pub(crate) faults: Vec<Fault>,
+    /// Whether the repair of any effect matters.
+    pub(crate) matter: bool,
+}
+
+impl JudgedFaults {
+    /// Judges the faults of repaired recordings: of each effect, whether the model in question fits them better than the recordings
+    /// without its repair.
+    ///
+    /// # Errors
+    /// What evaluation reports.
+    pub(crate) fn new(as_recorded: &Question<'_>, repaired: &Question<'_>) -> Result<Self, DiagnosisError> {
+        let spoilt = repaired.recordings.iter().filter_map(|r| r.spoilt.as_ref());
+        let mut faults: Vec<Fault> = spoilt.flat_map(|s| s.faults.faults.iter().cloned()).collect();
+        let mut matter = false;
+        for effect in [&dropped_samples::EFFECT, &saturation::EFFECT] {
+            if faults.iter().any(|f| f.effect == effect) && repair_helps(as_recorded, repaired, effect)? {
+                faults.iter_mut().filter(|f| f.effect == effect).for_each(|f| f.suffices = true);
+                matter = true;
+            }
+        }
+        Ok(Self { faults, matter })
+    }
+}
+
+/// Whether the model in question fits the repaired recordings better than the recordings without the repair of one effect.
+fn repair_helps(
     as_recorded: &Question<'_>,
     repaired: &Question<'_>,
+    effect: &Effect,
 ) -> Result<bool, DiagnosisError> {
-    let faults = [&dropped_samples::EFFECT, &saturation::EFFECT].map(|effect| effect.id.to_owned());
+    let without: Vec<String> = repaired.without.iter().cloned().chain([effect.id.to_owned()]).collect();
     let recordings =
-        as_recorded.recordings.iter().map(|r| r.repaired(&faults)).collect::<Result<Vec<_>, _>>()?;
+        as_recorded.recordings.iter().map(|r| r.repaired(&without)).collect::<Result<Vec<_>, _>>()?;
     let as_recorded = Question { recordings: &recordings, ..*as_recorded };
     let (before, after) = (mean_squares(&as_recorded)?, mean_squares(repaired)?);
     Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))

@@ -408,6 +408,13 @@ impl JointRows {
     }
 }
 
+/// Rows per second, mean over the rows of all recordings.
+pub(crate) fn mean_rate_hz(recordings: &[RecordingRows]) -> f64 {
+    let rows = |r: &RecordingRows| r.rows() as f64;
+    let weighted: f64 = recordings.iter().map(|r| rows(r) * r.rate_hz).sum();
+    weighted / recordings.iter().map(rows).sum::<f64>().max(1.0)
+}
+
 /// Share of independent values in a residual: 1 / (1 + 2 Σ ρ_k), ρ_k its autocorrelation up to where it first
 /// falls below 0.05 (at most `longest` lags).
 #[must_use]

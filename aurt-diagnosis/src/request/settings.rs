@@ -46,10 +46,21 @@ pub struct SelectionOptions {
     pub free_share: f64,
 }
 
+/// Independent samples per second of white noise at the usual f_dyn, 10 Hz: two for each Hz up to the parallel filter's cut-off at
+/// 2 f_dyn.
+const USUAL_INDEPENDENT_HZ: f64 = 40.0;
+
 /// Settings that are no shares: they may exceed one.
 const NO_SHARES: [&str; 5] = ["score", "most", "rounds", "tie_nats", "null_shifts"];
 
 impl SelectionOptions {
+    /// The log-MSE that an effect must bring on some joint, whose error has so many independent samples per second: −ln(1 −
+    /// `reduction`), and where there are more than at the usual f_dyn as much evidence a second as there. White noise of a
+    /// wider band hides no effect of the motion's.
+    pub(crate) fn least_log_error(&self, independent_hz: f64) -> f64 {
+        -(1.0 - self.reduction).ln() * (USUAL_INDEPENDENT_HZ / independent_hz).min(1.0)
+    }
+
     /// The settings' names and values.
     #[must_use]
     pub fn named(&self) -> BTreeMap<String, Value> {
@@ -106,6 +117,14 @@ impl Default for SelectionOptions {
 #[cfg(test)]
 mod tests {
     use super::SelectionOptions;
+
+    #[test]
+    fn a_wider_band_of_noise_asks_for_no_more_evidence() {
+        let options = SelectionOptions::default();
+        let [slow, usual, wide] = [10.0, 40.0, 80.0].map(|hz| options.least_log_error(hz));
+        assert_eq!((slow, usual), (-0.95_f64.ln(), -0.95_f64.ln()));
+        assert!((80.0 * wide - 40.0 * usual).abs() < 1e-12);
+    }
 
     #[test]
     fn settings_are_set_by_name_within_their_ranges() {

@@ -19,6 +19,9 @@ pub trait Ground: Sync {
     /// coefficients.
     fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64>;
 
+    /// Rows per second.
+    fn rows_per_s(&self) -> f64;
+
     /// The best scores that chance reaches with some groups beside a model; none where there are no rows to tell.
     fn scores_by_chance(
         &self,

@@ -6,6 +6,7 @@ use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::rows::mean_rate_hz;
 use crate::request::SelectionOptions;
 use crate::search::ground::{Beside, Ground, Recorded};
 use crate::search::shapes::Estimate;
@@ -17,6 +18,10 @@ impl Ground for Recorded<'_> {
 
     fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
         shares(self.rows, self.partition, self.layout, switches, coefficients)
+    }
+
+    fn rows_per_s(&self) -> f64 {
+        mean_rate_hz(self.rows)
     }
 
     fn scores_by_chance(

@@ -33,12 +33,10 @@ pub(crate) fn choose(
 
 /// Whether a selection beats another on held-out blocks: by what an effect must bring on some joint, and on the whole.
 fn better(selector: &Selector<'_>, named: &Selection, together: &Selection) -> bool {
-    let least = -(1.0 - selector.options.reduction).ln();
-    let gains: Vec<f64> = (0..named.after.len())
-        .map(|j| {
-            let floor = selector.floor[j].max(f64::MIN_POSITIVE);
-            (named.after[j].max(floor) / together.after[j].max(floor)).ln()
-        })
-        .collect();
-    gains.iter().any(|gain| *gain > least) && gains.iter().sum::<f64>() > 0.0
+    let scoring = selector.scoring();
+    let gains: Vec<f64> =
+        (0..named.after.len()).map(|j| scoring.log_ratio(j, named.after[j], together.after[j])).collect();
+    let shares = scoring.fit(&[]).shares;
+    let least = |j: usize| selector.options.least_log_error(shares[j] * selector.ground.rows_per_s());
+    gains.iter().enumerate().any(|(j, gain)| *gain > least(j)) && gains.iter().sum::<f64>() > 0.0
 }

@@ -204,18 +204,18 @@ impl Scoring<'_> {
         expected < self.options.tie_nats || !is_better(&blocks)
     }
 
-    /// Among the best and those as good, the one of fewest parameters; a law gives way to a simpler one that it does
-    /// not beat by the least score. Friction differs from day to day, so a change of anything else on one joint has to be
-    /// clearly better than a change of its friction.
-    pub(crate) fn frugal(&self, ranked: &[(usize, f64)]) -> Option<usize> {
+    /// Among the best and those as good, of which the data leave open whether they are, the one of fewest parameters; a law
+    /// gives way to a simpler one that it does not beat by the least score. Friction differs from day to day, so a change of
+    /// anything else on one joint has to be clearly better than a change of its friction.
+    pub(crate) fn frugal(&self, fit: &Weighed, ranked: &[(usize, f64)]) -> Option<usize> {
         let (first, best) = *ranked.first()?;
         let near = self.near(best);
-        let mut choice = ranked
-            .iter()
-            .filter(|(_, score)| *score >= near)
-            // The vocabulary wins ties.
-            .min_by_key(|(g, _)| (!self.groups[*g].is_named(), self.groups[*g].freedoms()))
-            .map_or(first, |(g, _)| *g);
+        // The vocabulary wins ties.
+        let price = |g: usize| (!self.groups[g].is_named(), self.groups[g].freedoms());
+        let as_good = ranked.iter().take_while(|(_, score)| *score >= near).map(|(g, _)| *g);
+        let mut cheaper: Vec<usize> = as_good.filter(|g| price(*g) < price(first)).collect();
+        cheaper.sort_by_key(|g| price(*g));
+        let mut choice = cheaper.into_iter().find(|g| self.leaves_open(fit, first, *g)).unwrap_or(first);
         let simpler = ranked.iter().find(|(g, score)| {
             self.groups[choice].generalises(&self.groups[*g]) && *score >= best - self.options.score
         });
@@ -240,14 +240,16 @@ impl Scoring<'_> {
     pub(crate) fn enough(&self, group: usize, fit: &Weighed) -> bool {
         let after = self.with(fit, &self.groups[group].switches);
         let before = &fit.errors;
-        (0..after.len())
-            .any(|j| self.log_ratio(j, before.all[j], after[j]) > self.least(group, before.misfit[j]))
+        (0..after.len()).any(|j| {
+            let least = self.least(group, before.misfit[j], fit.shares[j]);
+            self.log_ratio(j, before.all[j], after[j]) > least
+        })
     }
 
-    /// The log-MSE that a group must bring at a joint, where the model without changes leaves a misfit of the
-    /// calibration recordings.
-    fn least(&self, group: usize, misfit: f64) -> f64 {
-        let least = -(1.0 - self.options.reduction).ln();
+    /// The log-MSE that a group must bring at a joint with a share of independent rows, where the model without changes leaves
+    /// a misfit of the calibration recordings.
+    fn least(&self, group: usize, misfit: f64, share: f64) -> f64 {
+        let least = self.options.least_log_error(share * self.ground.rows_per_s());
         let group = &self.groups[group];
         if group.target_only() && !group.effect.is_friction {
             least + self.options.change_share * misfit
@@ -293,7 +295,7 @@ impl Scoring<'_> {
         chosen: &[usize],
         i: usize,
         start: &[f64],
-        full: &Errors,
+        full: &Weighed,
         loss: &Loss,
     ) -> bool {
         let own = &self.groups[chosen[i]];
@@ -303,9 +305,10 @@ impl Scoring<'_> {
         let share = if twin { self.options.share_same_kind } else { self.options.share };
         loss.score > self.threshold(chosen[i])
             && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
-                let gain = self.log_ratio(j, start[j], full.all[j]);
+                let gain = self.log_ratio(j, start[j], full.errors.all[j]);
+                let least = self.least(chosen[i], full.errors.misfit[j], full.shares[j]);
                 let left = if own.target_only() { gain } else { self.log_ratio(j, loss.without[j], 0.0) };
-                *of_joint > share * gain.min(left) && *of_joint > self.least(chosen[i], full.misfit[j])
+                *of_joint > share * gain.min(left) && *of_joint > least
             })
     }
 }

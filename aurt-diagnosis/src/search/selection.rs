@@ -151,7 +151,7 @@ impl Selector<'_> {
             .into_iter()
             .filter(|(g, _)| scoring.enough(*g, &fit))
             .collect();
-        let best = scoring.frugal(&ranked)?;
+        let best = scoring.frugal(&fit, &ranked)?;
         let contenders = scoring.contenders(best, &ranked);
         let mut moved = false;
         for group in contenders {
@@ -162,7 +162,8 @@ impl Selector<'_> {
         }
         let scoring = self.scoring();
         let among = |g: usize| ranked.iter().any(|(r, _)| *r == g) && scoring.meet(g, best);
-        scoring.frugal(&scoring.rank(&fit, among)).or(Some(best))
+        let fit = scoring.fit(chosen);
+        scoring.frugal(&fit, &scoring.rank(&fit, among)).or(Some(best))
     }
 
     /// Estimates the shapes of a group beside the chosen ones; whether they have moved.
@@ -187,10 +188,11 @@ impl Selector<'_> {
                 continue;
             }
             let scoring = self.scoring();
-            let ranked = scoring.rank(&scoring.fit(&rest), |g| {
+            let fit = scoring.fit(&rest);
+            let ranked = scoring.rank(&fit, |g| {
                 !rest.contains(&g) && scoring.meet(g, chosen[i]) && !scoring.is_repeated(g, &rest)
             });
-            if let Some(best) = scoring.frugal(&ranked) {
+            if let Some(best) = scoring.frugal(&fit, &ranked) {
                 chosen[i] = best;
             }
             // Beside what was found later, other shapes can be better.
@@ -230,7 +232,8 @@ impl Scoring<'_> {
                 let alone = |g: usize| {
                     self.groups[g].joints == [*joint] && !parts.contains(&g) && !self.is_repeated(g, &parts)
                 };
-                let best = self.frugal(&self.rank(&self.fit(&parts), alone));
+                let fit = self.fit(&parts);
+                let best = self.frugal(&fit, &self.rank(&fit, alone));
                 parts.extend(best);
             }
             let apart = self.fit(&parts).errors.all;
@@ -277,7 +280,7 @@ impl Scoring<'_> {
     pub(crate) fn remove(&self, chosen: &mut Vec<usize>, before: &[f64]) -> Vec<usize> {
         let mut removed = Vec::new();
         loop {
-            let full = self.fit(chosen).errors;
+            let full = self.fit(chosen);
             // What a change is asked about is what structure leaves.
             let structure: Vec<usize> =
                 chosen.iter().copied().filter(|g| !self.groups[*g].target_only()).collect();
@@ -290,7 +293,7 @@ impl Scoring<'_> {
                 .into_par_iter()
                 .filter(|i| !self.groups[chosen[*i]].is_known)
                 .filter_map(|i| {
-                    let loss = self.loss(chosen, i, &full.all);
+                    let loss = self.loss(chosen, i, &full.errors.all);
                     let start = if self.groups[chosen[i]].target_only() { &left } else { before };
                     let stays = self.earns_its_place(chosen, i, start, &full, &loss);
                     (!stays).then_some((i, loss.score))

@@ -109,6 +109,10 @@ impl Ground for Rows {
         shares(&self.rows, &self.partition, &self.layout, switches, coefficients)
     }
 
+    fn rows_per_s(&self) -> f64 {
+        50.0
+    }
+
     fn scores_by_chance(
         &self,
         groups: &[Group],
@@ -194,6 +198,23 @@ fn two_changes_of_friction_are_one() {
     };
     assert_eq!(chosen(&apart), [0, 1, 2]);
     assert_eq!(chosen(&[&apart[..], &[level]].concat()), [2, 3]);
+}
+
+#[test]
+fn a_simpler_law_wins_a_tie_that_the_blocks_leave_open() {
+    // The second column brings a fiftieth of the score, in every block, or nothing.
+    let chosen = |second: f64| {
+        let mut rows = Rows::new(vec![
+            recording(Role::Calibration, 8, &[1.0, 0.0, 0.0]),
+            recording(Role::Target, 9, &[1.0, 3.0, second]),
+        ]);
+        let mut level = group("friction_level_changed", 1, true);
+        level.switches.push(switch(2, true));
+        let found = rows.select(&[group("viscous", 1, true), level]);
+        found.chosen.iter().map(|c| c.group).collect::<Vec<_>>()
+    };
+    assert_eq!(chosen(0.04), [1]);
+    assert_eq!(chosen(0.0), [0]);
 }
 
 #[test]
