@@ -71,20 +71,36 @@ impl Scoring<'_> {
         all
     }
 
-    /// Fits a model: least squares for the joints' variances, then weighted by them.
+    /// Fits a model: least squares for the joints' variances, then weighted by them. Independent rows are those of its residual.
     pub(crate) fn fit(&self, chosen: &[usize]) -> Weighed {
-        let problem = self.ground.problem();
         let switches = self.switches(chosen);
-        let (coefficients, squared_errors) = problem.least_squares(&switches, &vec![1.0; problem.joints()]);
-        let weights: Vec<f64> = (0..problem.joints())
-            .map(|j| {
-                let rows = problem.rows(j, false).max(1.0);
-                let variance = (squared_errors[0][j] + squared_errors[1][j]) / rows;
-                1.0 / variance.max(self.floor[j]).max(f64::MIN_POSITIVE)
-            })
-            .collect();
+        let (coefficients, weights) = self.least_squares(&switches);
         let shares = self.ground.independent_shares(&switches, &coefficients);
-        let nested = problem.nest(&switches, &weights);
+        self.nested(&switches, &weights, shares)
+    }
+
+    /// The same with the independent rows of a larger model's residual: what a group explains is no noise, and a strong one
+    /// that lasts would leave few rows to show it.
+    fn fit_within(&self, chosen: &[usize], larger: &Weighed) -> Weighed {
+        let switches = self.switches(chosen);
+        let (_, weights) = self.least_squares(&switches);
+        self.nested(&switches, &weights, larger.shares.clone())
+    }
+
+    /// Coefficients of a model, and weights by what it leaves of each joint.
+    fn least_squares(&self, switches: &[Switch]) -> (Vec<f64>, Vec<f64>) {
+        let problem = self.ground.problem();
+        let (coefficients, squared_errors) = problem.least_squares(switches, &vec![1.0; problem.joints()]);
+        let weight = |j: usize| {
+            let rows = problem.rows(j, false).max(1.0);
+            let variance = (squared_errors[0][j] + squared_errors[1][j]) / rows;
+            1.0 / variance.max(self.floor[j]).max(f64::MIN_POSITIVE)
+        };
+        (coefficients, (0..problem.joints()).map(weight).collect())
+    }
+
+    fn nested(&self, switches: &[Switch], weights: &[f64], shares: Vec<f64>) -> Weighed {
+        let nested = self.ground.problem().nest(switches, weights);
         let errors = self.errors(&nested);
         Weighed { nested, shares, errors }
     }
@@ -277,12 +293,12 @@ impl Scoring<'_> {
         self.groups[a].joints.iter().any(|j| self.groups[b].joints.contains(j))
     }
 
-    /// Score and log-MSE of each joint that are lost without the i-th of the chosen.
-    pub(crate) fn loss(&self, chosen: &[usize], i: usize, full: &[f64]) -> Loss {
-        let fit = self.fit(&without(chosen, i));
-        let before = fit.errors.all.clone();
-        let of_joint = (0..full.len()).map(|j| self.log_ratio(j, before[j], full[j])).collect();
-        Loss { score: self.score(&fit, &before, full), of_joint, without: before }
+    /// Score and log-MSE of each joint that are lost without the i-th of the chosen, whose model is `full`.
+    pub(crate) fn loss(&self, chosen: &[usize], i: usize, full: &Weighed) -> Loss {
+        let without = self.fit_within(&without(chosen, i), full);
+        let (before, after) = (&without.errors.all, &full.errors.all);
+        let of_joint = (0..after.len()).map(|j| self.log_ratio(j, before[j], after[j])).collect();
+        Loss { score: self.score(&without, before, after), of_joint, without }
     }
 
     /// Whether the i-th of the chosen brings as much as it must: the least score, and on some joint the least reduction
@@ -307,7 +323,8 @@ impl Scoring<'_> {
             && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
                 let gain = self.log_ratio(j, start[j], full.errors.all[j]);
                 let least = self.least(chosen[i], full.errors.misfit[j], full.shares[j]);
-                let left = if own.target_only() { gain } else { self.log_ratio(j, loss.without[j], 0.0) };
+                let without = loss.without.errors.all[j];
+                let left = if own.target_only() { gain } else { self.log_ratio(j, without, 0.0) };
                 *of_joint > share * gain.min(left) && *of_joint > least
             })
     }
@@ -325,14 +342,13 @@ fn is_better(blocks: &[[f64; 2]]) -> bool {
 }
 
 /// What is lost without an effect.
-#[derive(Debug, Clone)]
 pub(crate) struct Loss {
     /// The score.
     pub(crate) score: f64,
     /// Log-MSE of each joint.
     pub(crate) of_joint: Vec<f64>,
-    /// Held-out mean squared error of each joint without it.
-    without: Vec<f64>,
+    /// The model without it.
+    pub(crate) without: Weighed,
 }
 
 /// All but the i-th.

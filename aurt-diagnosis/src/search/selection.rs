@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
 use crate::search::ground::{Beside, Ground};
-use crate::search::scoring::{Loss, Scoring, without};
+use crate::search::scoring::{Loss, Scoring, Weighed, without};
 
 /// A group that was accepted.
 #[derive(Debug, Clone)]
@@ -293,7 +293,7 @@ impl Scoring<'_> {
                 .into_par_iter()
                 .filter(|i| !self.groups[chosen[*i]].is_known)
                 .filter_map(|i| {
-                    let loss = self.loss(chosen, i, &full.errors.all);
+                    let loss = self.loss(chosen, i, &full);
                     let start = if self.groups[chosen[i]].target_only() { &left } else { before };
                     let stays = self.earns_its_place(chosen, i, start, &full, &loss);
                     (!stays).then_some((i, loss.score))
@@ -319,11 +319,11 @@ impl Scoring<'_> {
     }
 
     fn finish(&self, chosen: &[usize], before: Vec<f64>) -> Selection {
-        let full = self.fit(chosen).errors.all;
+        let full = self.fit(chosen);
         let mut found: Vec<Chosen> = (0..chosen.len())
             .map(|i| {
-                let Loss { score, of_joint, .. } = self.loss(chosen, i, &full);
-                let rivals = self.rivals(chosen, i, score);
+                let Loss { score, of_joint, without } = self.loss(chosen, i, &full);
+                let rivals = self.rivals(chosen, i, score, &without);
                 Chosen {
                     group: chosen[i],
                     score,
@@ -336,28 +336,27 @@ impl Scoring<'_> {
             })
             .collect();
         found.sort_by(|a, b| b.score.total_cmp(&a.score));
-        Selection { chosen: found, before, after: full }
+        Selection { chosen: found, before, after: full.errors.all }
     }
 
     /// Groups of other effects that do as well as the i-th of the chosen, or of which the data leave open whether they do. One
     /// that has more coefficients and more parameters and does no better contains the chosen one, unless it is the same force in
     /// other coordinates.
-    fn rivals(&self, chosen: &[usize], i: usize, score: f64) -> Vec<Rival> {
+    fn rivals(&self, chosen: &[usize], i: usize, score: f64, fit: &Weighed) -> Vec<Rival> {
         let own = &self.groups[chosen[i]];
         let rest = without(chosen, i);
-        let fit = self.fit(&rest);
         let near = self.near(score);
         let other = |g: &usize| {
             let other = &self.groups[*g];
             let is_simple = other.switches.len() <= own.switches.len() || other.freedoms() <= own.freedoms();
             (is_simple || other.effect.is_same_force(own.effect)) && other.effect != own.effect
         };
-        let ranked = self.rank(&fit, |g| !rest.contains(&g) && self.meet(g, chosen[i]) && other(&g));
+        let ranked = self.rank(fit, |g| !rest.contains(&g) && self.meet(g, chosen[i]) && other(&g));
         let rival = |(group, score)| Rival {
             group,
             score,
             as_good: score >= near,
-            open: self.leaves_open(&fit, chosen[i], group),
+            open: self.leaves_open(fit, chosen[i], group),
         };
         ranked.into_iter().map(rival).filter(|r| r.as_good || r.open).collect()
     }
