@@ -24,6 +24,7 @@ pub mod injected;
 pub mod next;
 pub mod output;
 pub mod planned_output;
+pub mod read_back;
 pub mod reports;
 pub mod results;
 pub mod sensitivity;
