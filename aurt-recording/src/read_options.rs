@@ -22,7 +22,7 @@ pub struct ReadOptions {
     pub needs_position: bool,
     /// Whether a recording without measurement is an error.
     pub needs_measurement: bool,
-    /// Whether a bag without joint states may be a planned motion (`trajectory_msgs/msg/JointTrajectory`).
+    /// A bag without joint states may be a planned motion (`trajectory_msgs/msg/JointTrajectory`).
     pub accepts_plan: bool,
     /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
     /// reported. More is an error.

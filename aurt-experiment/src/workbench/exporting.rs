@@ -108,7 +108,7 @@ pub struct Exported {
     pub lost: Vec<String>,
     /// What a person should know of the files.
     pub notes: Vec<String>,
-    /// Of MuJoCo and URDF files, which AURT reads too, the torques that each joint has otherwise than in the model.
+    /// Torques of each joint in a MuJoCo or URDF file, which AURT reads too, less those of the model.
     pub differences: Vec<TorqueDifference>,
 }
 

@@ -46,7 +46,7 @@ impl PlannedOutput {
         })
     }
 
-    /// Whether the ending of a path is known.
+    /// True for a path with a known ending.
     #[must_use]
     pub fn knows(path: &Path) -> bool {
         let ending = path.extension().and_then(|ending| ending.to_str());

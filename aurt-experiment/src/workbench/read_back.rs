@@ -30,7 +30,7 @@ const MOST_SPEED: f64 = 10.0;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WrittenDescription<'a> {
     pub(super) text: &'a str,
-    /// What messages call it.
+    /// Its name in messages.
     pub(super) path: &'a Path,
     pub(super) format: Format,
     /// The body that the robot stands on, where the file leaves a choice.

@@ -5,7 +5,7 @@ use crate::error::RecordingError;
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
-/// What ROS 2 calls the messages of planned motions.
+/// Type of the messages of planned motions.
 const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
 /// What joint states are usually published as.
 const USUAL: &str = "/joint_states";
@@ -14,7 +14,7 @@ const USUAL: &str = "/joint_states";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Topic {
     pub(super) name: String,
-    /// Whether its messages are planned motions instead of states.
+    /// Messages are planned motions instead of states.
     pub(super) is_planned: bool,
     /// Its channels in ascending order; several nodes may publish under one name.
     pub(super) channels: Vec<u64>,
