@@ -29,7 +29,12 @@ const ONE_RATE: f64 = 1.01;
 /// As [`read_recording`](crate::read_recording); [`RecordingError::Joined`] if a quantity is in two files or the files have no common time.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     let alone = |recorded: &RecordedAs| RecordedAs { joined: Vec::new(), ..recorded.clone() };
-    let own = ReadOptions { needs_measurement: false, recorded: alone(&options.recorded), ..options.clone() };
+    let own = ReadOptions {
+        needs_measurement: false,
+        accepts_plan: false,
+        recorded: alone(&options.recorded),
+        ..options.clone()
+    };
     let mut whole = read_whole(path, &own)?;
     whole.report = of_file(&whole);
     let last = options.recorded.joined.len();
@@ -46,6 +51,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
             recorded: alone(&other.recorded),
             needs_position: false,
             needs_measurement: still_missing,
+            accepts_plan: false,
             ..options.clone()
         };
         let mut part = read_whole(&other.file, &part)?;

@@ -77,7 +77,6 @@ mod robot_joints;
 mod sampling;
 mod selection;
 mod spread;
-#[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
 #[cfg(feature = "parquet")]
@@ -110,6 +109,7 @@ pub use robot_joints::{RobotJoints, RobotRecording};
 pub use sampling::{StampUnit, suitable_f_dyn_hz};
 pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
+pub use written::PlannedMotion;
 #[cfg(feature = "parquet")]
 pub use written::parquet;
 #[cfg(feature = "mcap")]

@@ -22,6 +22,8 @@ pub struct ReadOptions {
     pub needs_position: bool,
     /// Whether a recording without measurement is an error.
     pub needs_measurement: bool,
+    /// A bag without joint states may be a planned motion (`trajectory_msgs/msg/JointTrajectory`).
+    pub accepts_plan: bool,
     /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
     /// reported. More is an error.
     pub max_corrupt_share: f64,
@@ -48,6 +50,7 @@ impl Default for ReadOptions {
             recorded: RecordedAs::default(),
             needs_position: true,
             needs_measurement: true,
+            accepts_plan: false,
             max_corrupt_share: 0.01,
             position_limit_rad: 1e4,
             velocity_limit_rad_s: 1e4,

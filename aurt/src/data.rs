@@ -83,6 +83,7 @@ impl Source {
             recorded: self.recorded.clone(),
             joints: joints.cloned(),
             needs_measurement: purpose != Purpose::Prediction,
+            accepts_plan: purpose == Purpose::Prediction,
             ..ReadOptions::default()
         }
     }

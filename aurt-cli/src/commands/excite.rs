@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
+use aurt_experiment::workbench::{failure::Failure, planned_output::PlannedOutput};
 use aurt_simulation::{
     Motion, Robot, Trajectory,
     trajectory::{ExcitationOptions, MultiSineOptions, excite, excite_bodies},
@@ -65,7 +65,7 @@ pub struct Excite {
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]
     seed: u64,
-    /// File for the motion: .csv, .yaml (a trajectory of ROS 2) or .script (URScript)
+    /// File for the motion: .csv, .yaml (a trajectory of ROS 2), .script (URScript), .mcap (ROS 2) or .lerobot (a folder)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -89,7 +89,8 @@ pub enum Kind {
 impl Excite {
     /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
-        let out = OutputFile::new("--out", &self.out, &self.which.inputs())?;
+        let out = PlannedOutput::new("--out", &self.out, &self.which.inputs())?;
+        out.check_rate_hz(self.rate_hz)?;
         let PlannedRobot { robot, bodies, joint_names, notes, knows_torques } = self.which.planned()?;
         if self.torque_limits && !knows_torques {
             return Err(Failure::Argument {
@@ -102,7 +103,7 @@ impl Excite {
         if self.torque_limits {
             trajectory.check_torque(&robot)?;
         }
-        out.write(&trajectory.formatted(out.path(), self.rate_hz, &joint_names)?)?;
+        out.write(&trajectory, self.rate_hz, &joint_names)?;
         let kind = self.kind.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
         let mut text =
             format!("{kind} motion of {} joints over {:.1} s\n", robot.joints(), trajectory.duration_s());

@@ -8,6 +8,7 @@ use aurt_experiment::workbench::{
     exporting::{Format, Kind, ModelFile, Replaced, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
+    read_back::{DURATION_S, TorqueDifference},
 };
 use aurt_plugins::model::model_file::read_json;
 use aurt_report::rendering::text::wrapped;
@@ -200,6 +201,7 @@ impl Export {
         text.extend(made.changed.iter().map(|c| wrapped(&format!("changed: {c}"))));
         let warning = session.terminal.emphasise(Emphasis::Warning, "not exported");
         text.extend(made.lost.iter().map(|l| wrapped(&format!("{warning}: {l}"))));
+        text.push_str(&differences(&made.differences));
         text.extend(paths.iter().map(|p| format!("written: {}\n", p.display())));
         let json = json!({
             "command": "export",
@@ -207,8 +209,37 @@ impl Export {
             "notes": made.notes,
             "changed": made.changed,
             "lost": made.lost,
+            "differences": made
+                .differences
+                .iter()
+                .map(|d| json!({
+                    "joint": d.joint,
+                    "difference_nm": d.difference_nm,
+                    "torque_nm": d.torque_nm,
+                    "relative": d.relative(),
+                }))
+                .collect::<Vec<_>>(),
             "outputs": paths,
         });
         Ok(Report { text, json, findings: false })
     }
+}
+
+/// The torques of a file that was read back, joint by joint.
+fn differences(differences: &[TorqueDifference]) -> String {
+    if differences.is_empty() {
+        return String::new();
+    }
+    let mut text = wrapped(&format!(
+        "torques of the file, as AURT reads it, less those of the model over {DURATION_S:.0} s of sines with the speeds of the calibration, RMS:"
+    ));
+    let width = differences.iter().map(|difference| difference.joint.chars().count()).max().unwrap_or(0);
+    for difference in differences {
+        let TorqueDifference { joint, difference_nm, torque_nm } = difference;
+        let percent = 100.0 * difference.relative();
+        text.push_str(&format!(
+            "    {joint:width$}  {difference_nm:.4} of {torque_nm:.4} Nm, {percent:.2} %\n"
+        ));
+    }
+    text
 }

@@ -9,7 +9,7 @@ use aurt_experiment::workbench::{
     diagnosing::DiagnosisOptions,
     failure::Failure,
     next::{KeepOut, NextOptions, plan_next},
-    output::OutputFile,
+    planned_output::PlannedOutput,
 };
 use clap::Args;
 use serde_json::json;
@@ -28,12 +28,13 @@ use crate::rendering::terminal::Report;
     aurt next experiment.toml --until 'mass_kg < 0.02' --out motion.yaml\n\n\
     motion.csv has positions, velocities and accelerations; motion.yaml is a goal for\n\
     `ros2 action send_goal /…/follow_joint_trajectory control_msgs/action/FollowJointTrajectory \"$(cat motion.yaml)\"`;\n\
-    motion.script is a URScript program")]
+    motion.script is a URScript program; motion.mcap is a bag with the message trajectory_msgs/msg/JointTrajectory;\n\
+    motion.lerobot is a folder, a LeRobot data set of one episode (format 3.0), its actions positions in rad")]
 pub struct NextMotion {
     /// Experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// File for the motion: .csv, .yaml (a trajectory of ROS 2) or .script (URScript)
+    /// File for the motion: .csv, .yaml (a trajectory of ROS 2), .script (URScript), .mcap (ROS 2) or .lerobot (a folder)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does
@@ -56,7 +57,7 @@ pub struct NextMotion {
     /// Longest duration in s
     #[arg(long, value_name = "S", default_value = "30")]
     duration_s: f64,
-    /// Rows per second of the motion; by default those of the recordings
+    /// Rows per second of the motion; by default those of the recordings, for .lerobot the nearest whole number
     #[arg(long, value_name = "HZ")]
     rate_hz: Option<f64>,
     /// Number of motions that are tried as its pieces
@@ -109,8 +110,9 @@ impl NextMotion {
         let Session { terminal, registry, .. } = session;
         let inputs = [Some(&self.experiment), self.limits.as_ref(), self.model.as_ref()];
         let inputs: Vec<_> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-        let out = OutputFile::new("--out", &self.out, &inputs)?;
+        let out = PlannedOutput::new("--out", &self.out, &inputs)?;
         self.check()?;
+        self.rate_hz.map_or(Ok(()), |rate_hz| out.check_rate_hz(rate_hz))?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let given =
             self.model.as_deref().map(|p| GivenModel::read(p, ChainEnds::default(), &experiment, registry));
@@ -134,8 +136,8 @@ impl NextMotion {
         let mut text = next.to_text();
         let mut outputs = Vec::new();
         if let Some(plan) = &next.motion {
-            let rate_hz = self.rate_hz.unwrap_or(next.rate_hz);
-            out.write(&plan.trajectory.formatted(out.path(), rate_hz, &next.joint_names)?)?;
+            let rate_hz = self.rate_hz.unwrap_or_else(|| out.near_rate_hz(next.rate_hz));
+            out.write(&plan.trajectory, rate_hz, &next.joint_names)?;
             text.push_str(&format!("written: {}\n", out.path().display()));
             outputs.push(out.path());
         }
@@ -165,10 +167,9 @@ impl NextMotion {
         if !(1..=MOST.1).contains(&self.tries) {
             return refuse("--tries", format!("{} motions cannot be tried", self.tries), "give 1 to 1000");
         }
-        let ending = self.out.extension().and_then(|ending| ending.to_str());
-        if !matches!(ending, Some("csv" | "yaml" | "yml" | "script")) {
+        if !PlannedOutput::knows(&self.out) {
             let reason = format!("{} has none of the known endings", self.out.display());
-            return refuse("--out", reason, "name it .csv, .yaml or .script");
+            return refuse("--out", reason, &format!("name it {}", PlannedOutput::ENDINGS));
         }
         Ok(())
     }

@@ -1,6 +1,19 @@
 //! Exports that begin from a file of the user.
 
+use serde_json::Value;
+
 use crate::support::Folder;
+
+/// For each joint whether the torque of an exported file, read back, is another one than the model's.
+fn unlike_the_model(json: &str) -> Vec<bool> {
+    let made: Value = serde_json::from_str(json).unwrap();
+    let unlike = |joint: &Value| {
+        let relative = joint["relative"].as_f64().unwrap();
+        assert!(!(1e-6..1e-3).contains(&relative), "{joint}");
+        relative > 1e-3
+    };
+    made["differences"].as_array().unwrap().iter().map(unlike).collect()
+}
 
 #[test]
 fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
@@ -9,7 +22,9 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     folder.write("experiment.toml", &text);
     folder.aurt(["run", "experiment.toml", "--out", "of_mdh"]).succeeded();
     let export = |model: &str, more: &[&str]| folder.aurt(["export", "mjcf", model].iter().chain(more));
-    export("of_mdh/rd_calibrated.json", &["--name", "own", "--out", "."]).succeeded();
+    let made = export("of_mdh/rd_calibrated.json", &["--name", "own", "--out", ".", "--json"]).succeeded();
+    // Friction of joints 1 and 2 depends on load, which MuJoCo has no word for; all else is read back.
+    assert_eq!(unlike_the_model(&made.stdout()), [false, true, true, false, false, false]);
     folder.aurt(["export", "sdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
     assert!(folder.read("own.sdf").contains("<sdf version=\"1.9\">"));
     let rust =
@@ -47,13 +62,17 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     assert!(folder.aurt(["run", "again.toml", "--out", "of_file"]).status() < 2);
     let said = export(model, &["--into", "own.xml", "--out", "corrected", "--json"]).succeeded().stdout();
     assert!(said.contains("joint joint_1: damping 0.0000 to "), "{said}");
+    assert_eq!(unlike_the_model(&said), [false, true, true, false, false, false]);
     let corrected = folder.read("corrected/own_calibrated.xml");
     assert_eq!(corrected.matches("<!-- mine -->").count(), wrong.matches("<!-- mine -->").count());
     assert!(corrected.contains("user=") && corrected.contains("Dynamics corrected by"), "{corrected}");
     assert_eq!(folder.read("own.xml"), wrong);
 
     // The same of a URDF file, which has the same chain.
-    folder.aurt(["export", "urdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
+    let of_urdf = ["export", "urdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", ".", "--json"];
+    // URDF has no rotors either, which joints 2 to 5 have.
+    let made = folder.aurt(of_urdf).succeeded();
+    assert_eq!(unlike_the_model(&made.stdout()), [false, true, true, true, true, true]);
     let own_urdf = folder.read("own.urdf");
     let elbow = own_urdf.match_indices("<mass value=\"").nth(2).unwrap().0;
     let (before, rest) = own_urdf.split_at(elbow);
@@ -65,6 +84,7 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     let into = ["export", "urdf", "of_mdh/rd_calibrated.json", "--into", "own.urdf", "--out", "corrected"];
     let said = folder.aurt(into).succeeded().stdout();
     assert!(said.contains("changed: body own_link_"), "{said}");
+    assert!(said.contains("less those of the model") && said.contains("    joint 1  "), "{said}");
     let corrected = folder.read("corrected/own_calibrated.urdf");
     assert!(!corrected.contains(&format!("<mass value=\"{heavy}\"")), "{corrected}");
     assert_eq!(corrected.matches("<!-- mine -->").count(), wrong_urdf.matches("<!-- mine -->").count());

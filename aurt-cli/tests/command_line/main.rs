@@ -25,6 +25,7 @@ mod matrix;
 #[cfg(target_os = "linux")]
 mod memory;
 mod model_schema;
+mod motions;
 mod names;
 mod next;
 mod outputs;

@@ -1,5 +1,6 @@
 //! `aurt next`: a motion that decides what a diagnosis leaves open.
 
+use aurt_recording::{ReadOptions, read_recording};
 use serde_json::Value;
 
 use crate::support::{Folder, real_recordings};
@@ -76,12 +77,35 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
 }
 
 #[test]
+fn a_plan_is_a_bag_or_an_episode_too() {
+    let folder = Folder::new().with_whole_demo();
+    let options = ReadOptions { needs_measurement: false, accepts_plan: true, ..ReadOptions::default() };
+    let mut read = Vec::new();
+    for more in ["motion.mcap --rate-hz 50", "motion.lerobot --rate-hz 50", "other.lerobot"] {
+        let line = format!("next experiment.toml --duration-s 8 --tries 2 --out {more}");
+        let said = folder.aurt(line.split(' ')).succeeded().stdout();
+        assert!(said.contains("written: "), "{said}");
+        let name = more.split(' ').next().unwrap_or_default();
+        read.push(read_recording(&folder.path(name), &options).unwrap());
+    }
+    let [bag, episode, _] = &read[..] else { panic!("{} motions", read.len()) };
+    assert_eq!((bag.joints(), &bag.joints), (6, &episode.joints));
+    for (planned, stored) in bag.position_rad.iter().zip(&episode.position_rad) {
+        assert!(planned.iter().map(|value| f64::from(*value as f32)).eq(stored.iter().copied()));
+    }
+    // Without a rate the recordings decide, of which LeRobot has the nearest whole number.
+    let info = folder.json("other.lerobot/meta/info.json");
+    assert!(info["fps"].is_u64(), "{info}");
+}
+
+#[test]
 fn plans_that_cannot_be_are_refused() {
     let folder = Folder::new().with_whole_demo();
     let refused = |more: &str, words: &[&str]| {
         folder.aurt(format!("next experiment.toml {more}").split(' ')).refused(words);
     };
-    refused("--out motion.xyz", &["--out", ".csv, .yaml or .script"]);
+    refused("--out motion.xyz", &["--out", ".csv, .yaml, .script, .mcap or .lerobot"]);
+    refused("--out motion.lerobot --rate-hz 12.5", &["--rate-hz", "whole number"]);
     refused("--out motion.csv --duration-s 1e9", &["--duration-s", "5 to 600"]);
     refused("--out motion.csv --tries 0", &["--tries", "1 to 1000"]);
     refused("--out motion.csv --without nothing", &["--without", "nothing"]);

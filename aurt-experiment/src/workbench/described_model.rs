@@ -126,22 +126,11 @@ fn of_description(
     }
     let model = model(described, dynamics, registry)?;
     let values = coefficients(described, &carried.values, &model);
-    let parameters = model.parameters().iter().zip(&values);
     let calibration = Calibration {
         unit: MeasurementUnit::NewtonMetre,
         options: calibration_options(experiment),
         f_dyn_hz: experiment.preprocess.f_dyn_hz,
-        parameters: parameters
-            .map(|(parameter, value)| CalibratedParameter {
-                name: parameter.name.clone(),
-                unit: parameter.unit.clone(),
-                value: *value,
-                std_dev: None,
-                relative_std_dev_percent: None,
-                interval_95: None,
-                excited: true,
-            })
-            .collect(),
+        parameters: exact_parameters(&model, &values),
         covariance: Vec::new(),
         load: LoadTorque::Fitted(values),
         sigma: vec![0.0; joints],
@@ -166,8 +155,24 @@ fn of_description(
     })
 }
 
+/// The parameters of a model, known without uncertainty.
+pub(super) fn exact_parameters(model: &RobotModel, values: &[f64]) -> Vec<CalibratedParameter> {
+    let parameters = model.parameters().iter().zip(values);
+    parameters
+        .map(|(parameter, value)| CalibratedParameter {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            value: *value,
+            std_dev: None,
+            relative_std_dev_percent: None,
+            interval_95: None,
+            excited: true,
+        })
+        .collect()
+}
+
 /// The structure: friction and rotors in the joints for which the description states them.
-fn model(
+pub(super) fn model(
     described: &DescribedRobot,
     dynamics: RigidBodyDynamics,
     registry: &Registry,
@@ -199,7 +204,7 @@ fn model(
 }
 
 /// The coefficients of that structure.
-fn coefficients(described: &DescribedRobot, base: &[f64], model: &RobotModel) -> Vec<f64> {
+pub(super) fn coefficients(described: &DescribedRobot, base: &[f64], model: &RobotModel) -> Vec<f64> {
     let mut values = vec![0.0; model.parameters().len()];
     let mut put = |group, own: &[f64]| values[model.group(group)].copy_from_slice(own);
     put(ColumnGroup::RigidBody, base);

@@ -20,7 +20,11 @@ use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
 
-use crate::workbench::{failure::Failure, output::OutputFolder};
+use crate::workbench::{
+    failure::Failure,
+    output::OutputFolder,
+    read_back::{TorqueDifference, WrittenDescription, torque_differences},
+};
 use aurt::CalibratedModel;
 
 /// What a model is exported to.
@@ -94,7 +98,7 @@ fn hash(bytes: &[u8]) -> String {
 }
 
 /// Files of a target.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
     /// Their names and contents.
     pub files: Vec<(String, Vec<u8>)>,
@@ -104,22 +108,42 @@ pub struct Exported {
     pub lost: Vec<String>,
     /// What a person should know of the files.
     pub notes: Vec<String>,
+    /// Torques of each joint in a MuJoCo or URDF file, which AURT reads too, less those of the model.
+    pub differences: Vec<TorqueDifference>,
 }
 
 impl From<Export> for Exported {
     fn from(Export { files, lost, notes }: Export) -> Self {
         let files = files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
-        Self { files, changed: Vec::new(), lost, notes }
+        Self { files, changed: Vec::new(), lost, notes, differences: Vec::new() }
     }
 }
 
 impl From<Fmu> for Exported {
     fn from(Fmu { file, bytes, lost, notes }: Fmu) -> Self {
-        Self { files: vec![(file, bytes)], changed: Vec::new(), lost, notes }
+        Self { files: vec![(file, bytes)], changed: Vec::new(), lost, notes, differences: Vec::new() }
     }
 }
 
 impl Exported {
+    /// The same with the torques of its file, read back, beside those of the model.
+    fn read_back(
+        mut self,
+        calibrated: &CalibratedModel,
+        format: Format,
+        base: Option<&str>,
+        part: &Part,
+    ) -> Self {
+        let Some((name, contents)) = self.files.first() else { return self };
+        let text = String::from_utf8_lossy(contents);
+        let written = WrittenDescription { text: &text, path: Path::new(name), format, base, part };
+        match torque_differences(calibrated, &written) {
+            Ok(differences) => self.differences = differences,
+            Err(error) => self.notes.push(format!("its torques were not compared with the model's: {error}")),
+        }
+        self
+    }
+
     /// Writes the files into a folder, all or none; `inputs` are what must survive. Returns their paths.
     ///
     /// # Errors
@@ -216,8 +240,14 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
         Ok(match target {
             Target::C => c::export(source, &checks(calibrated)?)?.into(),
             Target::Rust => rust::export(source, &checks(calibrated)?)?.into(),
-            Target::Mjcf => mjcf::export(source)?.into(),
-            Target::Urdf => urdf::export(source)?.into(),
+            Target::Mjcf => {
+                let exported = Exported::from(mjcf::export(source)?);
+                exported.read_back(calibrated, Format::Mjcf, None, &Part::All)
+            }
+            Target::Urdf => {
+                let exported = Exported::from(urdf::export(source)?);
+                exported.read_back(calibrated, Format::Urdf, None, &Part::All)
+            }
             Target::Sdf => sdf::export(source)?.into(),
             Target::Fmu(kind) => fmu::export(source, kind)?.into(),
             Target::Isaac => {
@@ -250,7 +280,7 @@ pub fn correct(
     let is_named = tip.is_none() && aurt_rbd::robots::parse_part(&text, into, base, &named).is_ok();
     let part = &if is_named { named } else { Part::from(tip) };
     let original = Original { text: &text, path: into, format, base, part };
-    with_source(model, "robot", |source, _| {
+    with_source(model, "robot", |source, calibrated| {
         let Corrected { text, changed, lost, notes } = into::correct(source, &original)?;
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();
         let extension = match format {
@@ -258,7 +288,8 @@ pub fn correct(
             Format::Urdf => "urdf",
         };
         let files = vec![(format!("{stem}_calibrated.{extension}"), text.into_bytes())];
-        Ok(Exported { files, changed, lost, notes })
+        let exported = Exported { files, changed, lost, notes, differences: Vec::new() };
+        Ok(exported.read_back(calibrated, format, base, part))
     })
 }
 

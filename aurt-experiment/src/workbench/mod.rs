@@ -23,6 +23,8 @@ pub mod gains;
 pub mod injected;
 pub mod next;
 pub mod output;
+pub mod planned_output;
+pub mod read_back;
 pub mod reports;
 pub mod results;
 pub mod sensitivity;

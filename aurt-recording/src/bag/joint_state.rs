@@ -1,10 +1,8 @@
-//! `sensor_msgs/msg/JointState` in CDR, as ROS 2 serialises it.
+//! `sensor_msgs/msg/JointState` in CDR.
 //!
-//! Source: OMG, "DDS Interoperability Wire Protocol" 2.5, section 10; ROS 2 `sensor_msgs/msg/JointState.msg`.
+//! Source: ROS 2, `sensor_msgs/msg/JointState.msg`.
 
-/// Joints of a message that are read, and bytes of the name of each: what a machine says of itself has some dozens.
-pub(super) const MOST_OF_MESSAGE: usize = 1000;
-const MOST_NAME_BYTES: usize = 512;
+use crate::bag::cdr::{BREAKS_OFF, CdrBody, MOST_OF_MESSAGE, TOO_MANY};
 
 /// A message: what each of its joints does, by name.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,40 +27,36 @@ impl JointState {
     /// # Errors
     /// What is wrong with them.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
-        const BREAKS_OFF: &str = "it is truncated";
-        const TOO_MANY: &str = "it has more than 1000 joints, or a name of more than 512 bytes";
-        let (encapsulation, body) = bytes.split_at_checked(4).ok_or(BREAKS_OFF)?;
-        let big_endian = match encapsulation {
-            [0, 0, ..] => true,
-            [0, 1, ..] => false,
-            _ => return Err("it is not in the encoding CDR of ROS 2"),
-        };
-        let mut body = Body { bytes: body, at: 0, big_endian };
-        let seconds = i64::from(body.word().ok_or(BREAKS_OFF)? as i32);
-        self.stamp_ns = seconds * 1_000_000_000 + i64::from(body.word().ok_or(BREAKS_OFF)?);
+        let mut body = CdrBody::of(bytes)?;
+        self.stamp_ns = body.time_ns().ok_or(BREAKS_OFF)?;
         body.text().ok_or(BREAKS_OFF)?;
-        let count = body.word().ok_or(BREAKS_OFF)? as usize;
-        let start = body.at;
-        for place in 0..count {
-            if place == MOST_OF_MESSAGE || body.text().ok_or(BREAKS_OFF)?.len() > MOST_NAME_BYTES {
-                return Err(TOO_MANY);
+        self.name(&mut body)?;
+        for values in [&mut self.position, &mut self.velocity, &mut self.effort] {
+            body.numbers(values).ok_or(BREAKS_OFF)?;
+        }
+        self.bounded()
+    }
+
+    /// Takes the names of the joints.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub(super) fn name(&mut self, body: &mut CdrBody<'_>) -> Result<(), &'static str> {
+        let (start, count) = body.names()?;
+        let written = body.since(start);
+        if written != self.names_written || count != self.names.len() {
+            self.names_written = written.to_vec();
+            let mut names = body.from(start);
+            self.names.clear();
+            for _ in 0..count {
+                self.names.push(String::from_utf8_lossy(names.text().ok_or(BREAKS_OFF)?).into_owned());
             }
         }
-        let mut take = || {
-            let written = body.bytes.get(start..body.at)?;
-            if written != self.names_written || count != self.names.len() {
-                self.names_written = written.to_vec();
-                let mut names = Body { at: start, ..body };
-                self.names.clear();
-                for _ in 0..count {
-                    self.names.push(String::from_utf8_lossy(names.text()?).into_owned());
-                }
-            }
-            body.numbers(&mut self.position)?;
-            body.numbers(&mut self.velocity)?;
-            body.numbers(&mut self.effort)
-        };
-        take().ok_or(BREAKS_OFF)?;
+        Ok(())
+    }
+
+    /// Refuses more values than a machine has joints.
+    pub(super) fn bounded(&self) -> Result<(), &'static str> {
         let most = self.position.len().max(self.velocity.len()).max(self.effort.len());
         if most > MOST_OF_MESSAGE { Err(TOO_MANY) } else { Ok(()) }
     }
@@ -71,56 +65,6 @@ impl JointState {
     pub(super) fn bytes(&self) -> usize {
         let names = self.names.len() * size_of::<String>() + 2 * self.names_written.len();
         names + size_of::<f64>() * (self.position.len() + self.velocity.len() + self.effort.len())
-    }
-}
-
-/// What is still to be decoded.
-#[derive(Clone, Copy)]
-struct Body<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    big_endian: bool,
-}
-
-impl<'a> Body<'a> {
-    fn align(&mut self, to: usize) {
-        self.at = self.at.next_multiple_of(to);
-    }
-
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let end = self.at.checked_add(count)?;
-        let bytes = self.bytes.get(self.at..end)?;
-        self.at = end;
-        Some(bytes)
-    }
-
-    fn word(&mut self) -> Option<u32> {
-        self.align(4);
-        let bytes = self.take(4)?.try_into().ok()?;
-        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
-    }
-
-    /// A text, without the zero that ends it.
-    fn text(&mut self) -> Option<&'a [u8]> {
-        let length = self.word()? as usize;
-        let bytes = self.take(length)?;
-        Some(bytes.strip_suffix(&[0]).unwrap_or(bytes))
-    }
-
-    fn numbers(&mut self, values: &mut Vec<f64>) -> Option<()> {
-        let count = self.word()? as usize;
-        values.clear();
-        if count == 0 {
-            return Some(());
-        }
-        self.align(8);
-        let bytes = self.take(count.checked_mul(8)?)?;
-        let value = |b: &[u8]| -> f64 {
-            let b: [u8; 8] = b.try_into().unwrap_or_default();
-            if self.big_endian { f64::from_be_bytes(b) } else { f64::from_le_bytes(b) }
-        };
-        values.extend(bytes.chunks_exact(8).map(value));
-        Some(())
     }
 }
 

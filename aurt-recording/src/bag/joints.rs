@@ -3,7 +3,9 @@ use std::path::Path;
 
 use aurt_traits::MOST_JOINTS;
 
-use crate::bag::joint_state::{JointState, MOST_OF_MESSAGE};
+use crate::bag::cdr::MOST_OF_MESSAGE;
+use crate::bag::joint_state::JointState;
+use crate::bag::joint_trajectory::JointTrajectory;
 use crate::bag::messages::Messages;
 use crate::bag::topics::Topic;
 use crate::branches::{BranchMotion, BranchTrack};
@@ -23,6 +25,8 @@ const SECOND_NS: i64 = 1_000_000_000;
 pub(super) struct Joints<'a> {
     messages: Messages<'a>,
     state: JointState,
+    /// The message that is read point by point, of a topic of planned motions.
+    trajectory: Option<JointTrajectory>,
     /// The joints in the order of the rows.
     names: Vec<String>,
     /// The names that `places` is for, as they are written.
@@ -58,6 +62,7 @@ impl<'a> Joints<'a> {
         let mut joints = Self {
             messages,
             state: JointState::default(),
+            trajectory: topic.is_planned.then(JointTrajectory::default),
             names: options.joint_names().to_vec(),
             known: Vec::new(),
             places: None,
@@ -263,12 +268,26 @@ impl<'a> Joints<'a> {
     }
 
     fn decode_next(&mut self) -> Result<bool, RecordingError> {
-        if !self.messages.next()? {
-            return Ok(false);
+        let failed = |messages: &Messages<'_>, reason| {
+            messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
+        };
+        let (messages, state) = (&mut self.messages, &mut self.state);
+        loop {
+            if let Some(trajectory) = &mut self.trajectory
+                && trajectory.next(state).map_err(|reason| failed(messages, reason))?
+            {
+                break;
+            }
+            if !messages.next()? {
+                return Ok(false);
+            }
+            let Some(trajectory) = &mut self.trajectory else {
+                state.decode(&messages.payload).map_err(|reason| failed(messages, reason))?;
+                break;
+            };
+            let begun = trajectory.begin(&mut messages.payload, state);
+            begun.map_err(|reason| failed(messages, reason))?;
         }
-        self.state.decode(&self.messages.payload).map_err(|reason| {
-            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
-        })?;
         self.track_branches();
         Ok(true)
     }

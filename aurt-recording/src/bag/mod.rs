@@ -1,8 +1,10 @@
-//! Bags of ROS 2 with `sensor_msgs/msg/JointState`: MCAP, SQLite (`.db3`), and folders of several such files.
+//! Bags of ROS 2 with `sensor_msgs/msg/JointState`, or with planned motions where these are accepted: MCAP, SQLite (`.db3`), and folders of several such files.
 
+mod cdr;
 mod container;
 mod folder;
 mod joint_state;
+mod joint_trajectory;
 mod joints;
 mod mcap;
 mod messages;

@@ -25,7 +25,8 @@ pub(super) fn read(
     let (path, count) = (memory.path(), files.len());
     for file in files {
         let stated = chosen.first().map(|(_, topic)| topic.name.as_str());
-        match Topic::choose(&*file, stated.or(options.recorded.topic.as_deref())) {
+        let stated = stated.or(options.recorded.topic.as_deref());
+        match Topic::choose(&*file, stated, options.accepts_plan) {
             Ok((topic, remark)) => {
                 said.extend(remark);
                 chosen.push((file, topic));
@@ -91,7 +92,7 @@ const MOST_TOPICS: usize = 20;
 fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic) -> RecordingError {
     let RecordingError::JointNames { path, recorded, wanted, lacking } = error else { return error };
     let names = |name: &String| {
-        let other = Topic::choose(file, Some(name)).ok()?.0;
+        let other = Topic::choose(file, Some(name), topic.is_planned).ok()?.0;
         let messages = Messages::new(&path, std::iter::once((file, &other)));
         let joints = Joints::open(messages, &path, &other, &ReadOptions::default()).ok()?;
         Some((name.clone(), joints.names().to_vec()))

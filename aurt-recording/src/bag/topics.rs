@@ -5,6 +5,8 @@ use crate::error::RecordingError;
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
+/// Type of the messages of planned motions.
+const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
 /// What joint states are usually published as.
 const USUAL: &str = "/joint_states";
 
@@ -12,6 +14,8 @@ const USUAL: &str = "/joint_states";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Topic {
     pub(super) name: String,
+    /// Messages are planned motions instead of states.
+    pub(super) is_planned: bool,
     /// Its channels in ascending order; several nodes may publish under one name.
     pub(super) channels: Vec<u64>,
     /// The other topics with joint states.
@@ -73,10 +77,12 @@ impl Listing {
 }
 
 impl Topic {
-    /// The topic to be read, and what a person should know about the choice.
+    /// The topic to be read, and what a person should know about the choice. Planned motions are read if they `may_be_planned` and
+    /// there are no joint states.
     pub(super) fn choose(
         container: &dyn Container,
         stated: Option<&str>,
+        may_be_planned: bool,
     ) -> Result<(Self, Option<String>), RecordingError> {
         // Most files list their topics at the end; chunks are looked into only if this one does not.
         let (mut listing, mut ending) = Listing::read(&mut *container.records(Scan::Summary)?);
@@ -105,6 +111,10 @@ impl Topic {
         };
         let mut states = topics.clone();
         states.retain(|_, (kind, _)| JOINT_STATE.contains(kind));
+        if states.is_empty() && may_be_planned {
+            states = topics.clone();
+            states.retain(|_, (kind, _)| *kind == JOINT_TRAJECTORY);
+        }
         let mut remark = None;
         let (name, (kind, encoding)) = match stated {
             Some(stated) => match topics.get_key_value(stated) {
@@ -139,7 +149,8 @@ impl Topic {
                 },
             },
         };
-        if !JOINT_STATE.contains(&kind) {
+        let is_planned = may_be_planned && kind == JOINT_TRAJECTORY;
+        if !is_planned && !JOINT_STATE.contains(&kind) {
             let reason = format!("the messages of {name} are of the type {kind}");
             return Err(malformed(reason, "messages are read if they are sensor_msgs/msg/JointState".into()));
         }
@@ -158,6 +169,6 @@ impl Topic {
             remark = Some(remark.map_or_else(|| also.clone(), |said| format!("{said}; {also}")));
         }
         let others = states.keys().filter(|other| **other != name).map(|&other| other.to_owned()).collect();
-        Ok((Self { name: name.to_owned(), channels, others }, remark))
+        Ok((Self { name: name.to_owned(), is_planned, channels, others }, remark))
     }
 }

@@ -1,11 +1,21 @@
 //! Files that other programs open.
 
 #[cfg(feature = "mcap")]
+mod cdr;
+#[cfg(feature = "mcap")]
+mod joint_state;
+#[cfg(feature = "mcap")]
+mod joint_trajectory;
+#[cfg(feature = "lerobot")]
+mod lerobot;
+#[cfg(feature = "mcap")]
 mod mcap;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod planned_motion;
 
 #[cfg(feature = "mcap")]
-pub use self::mcap::{JointTopic, mcap};
+pub use self::joint_state::{JointTopic, mcap};
 #[cfg(feature = "parquet")]
 pub use self::parquet::parquet;
+pub use self::planned_motion::PlannedMotion;

@@ -16,7 +16,7 @@ struct TablePath {
 
 /// Reads a motion, such as one that was planned.
 pub(super) fn read(file: &File) -> Result<Trajectory, SimulationError> {
-    let options = ReadOptions { needs_measurement: false, ..ReadOptions::default() };
+    let options = ReadOptions { needs_measurement: false, accepts_plan: true, ..ReadOptions::default() };
     let recording = read_recording(file, &options)?;
     let Recording { mut time_s, position_rad, velocity_rad_s, .. } = recording;
     let first_s = time_s.first().copied().unwrap_or(0.0);

@@ -1,0 +1,104 @@
+//! Planned motions in every format: what AURT and parsers of others read of them.
+
+use std::process::Command;
+
+use aurt::simulation::Motion;
+use aurt_recording::{ReadOptions, RecordedJoints, Recording, read_recording};
+use serde_json::Value;
+
+use crate::support::Folder;
+
+const PLANNED: &str = "excite --robot ur10e --kind sweeps --duration-s 12 --seed 3 --rate-hz 50";
+
+fn read(folder: &Folder, name: &str) -> Recording {
+    let options = ReadOptions { needs_measurement: false, accepts_plan: true, ..ReadOptions::default() };
+    read_recording(&folder.path(name), &options).unwrap()
+}
+
+fn single(series: &[f64]) -> Vec<f64> {
+    series.iter().map(|value| f64::from(*value as f32)).collect()
+}
+
+/// The motion as it is planned, in every format.
+fn written() -> (Folder, aurt_recording::PlannedMotion) {
+    let folder = Folder::new();
+    for name in ["motion.csv", "motion.yaml", "motion.mcap", "motion.lerobot"] {
+        folder.aurt(format!("{PLANNED} --out {name}").split(' ')).succeeded();
+    }
+    let motion = Motion::Sweeps { duration_s: 12.0, share: 0.8 };
+    let robot = aurt::simulation::robots::ur10e();
+    let names = read(&folder, "motion.mcap").joints.names().to_vec();
+    let planned = motion.plan(&robot, 3).unwrap().planned(50.0, &names).unwrap();
+    (folder, planned)
+}
+
+#[test]
+fn a_motion_is_read_back_from_a_bag_and_a_data_set() {
+    let (folder, planned) = written();
+    let bag = read(&folder, "motion.mcap");
+    assert_eq!((&bag.time_s, &bag.position_rad), (&planned.time_s, &planned.position_rad));
+    assert_eq!(bag.velocity_rad_s.as_ref(), Some(&planned.velocity_rad_s));
+    let data_set = read(&folder, "motion.lerobot");
+    assert_eq!(data_set.time_s, single(&planned.time_s));
+    for (joint, series) in data_set.position_rad.iter().enumerate() {
+        assert_eq!(*series, single(&planned.position_rad[joint]));
+    }
+    assert_eq!(data_set.joints, RecordedJoints::Named(planned.joint_names));
+    // Scenarios follow them.
+    for name in ["motion.mcap", "motion.lerobot"] {
+        let scenario =
+            format!("robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"{name}\"\n");
+        folder.write("scenario.toml", &scenario);
+        folder.aurt("simulate --scenario scenario.toml --out recorded.csv".split(' ')).succeeded();
+    }
+    // A bag with a plan has nothing measured.
+    folder.aurt("init --robot ur10e motion.mcap --out experiment.toml".split(' ')).refused(&["JointState"]);
+}
+
+#[test]
+fn a_data_set_is_replaced_but_no_other_one() {
+    let folder = Folder::new();
+    let line = format!("{PLANNED} --out motion.lerobot");
+    folder.aurt(line.split(' ')).succeeded();
+    folder.aurt(line.split(' ')).succeeded();
+    folder.aurt(line.replace("50", "12.5").split(' ')).refused(&["--rate-hz", "12.5", "whole"]);
+    folder.write("motion.lerobot/data/chunk-000/file-001.parquet", "another episode");
+    folder.aurt(line.split(' ')).refused(&["--out", "data/chunk-000/file-001.parquet", "new folder"]);
+}
+
+#[test]
+fn parsers_of_others_read_the_same_numbers() {
+    let python = std::env::var("AURT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let has = Command::new(&python).args(["-c", "import mcap_ros2, pandas, pyarrow, yaml"]).output();
+    if !has.is_ok_and(|output| output.status.success()) {
+        println!("skipped: {python} lacks mcap-ros2-support, pandas, pyarrow or pyyaml");
+        return;
+    }
+    let (folder, planned) = written();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command_line/read_motions.py");
+    let run = Command::new(python).arg(script).arg(folder.path("")).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let found: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let bits = |value: f64| Value::from(format!("{:016x}", value.to_bits()));
+    let row = |series: &[Vec<f64>], k: usize| series.iter().map(|s| bits(s[k])).collect::<Value>();
+    let [bag, data_set, goal] = ["bag", "data_set", "goal"].map(|key| &found[key]);
+    for read in [bag, goal] {
+        assert_eq!(read["names"], planned.joint_names.iter().cloned().collect::<Value>());
+    }
+    let motors = planned.joint_names.iter().map(|name| format!("{name}.pos")).collect::<Value>();
+    assert_eq!((&data_set["names"], &data_set["fps"]), (&motors, &Value::from(50)));
+    assert_eq!(bag["points"].as_array().unwrap().len(), planned.time_s.len());
+    assert_eq!(data_set["points"].as_array().unwrap().len(), planned.time_s.len());
+    for (k, time_s) in planned.time_s.iter().enumerate() {
+        let time_ns = Value::from((time_s * 1e9).round() as u64);
+        let series = [&planned.position_rad, &planned.velocity_rad_s, &planned.acceleration_rad_s2];
+        let [q, qd, qdd] = series.map(|series| row(series, k));
+        assert_eq!(bag["points"][k], Value::from(vec![time_ns.clone(), q, qd, qdd]));
+        let q = planned.position_rad.iter().map(|s| bits(f64::from(s[k] as f32))).collect::<Value>();
+        assert_eq!(data_set["points"][k], Value::from(vec![bits(f64::from(*time_s as f32)), q]));
+        assert_eq!(goal["times_ns"][k], time_ns);
+        for (joint, series) in planned.position_rad.iter().enumerate() {
+            assert!((goal["positions"][k][joint].as_f64().unwrap() - series[k]).abs() < 1e-9);
+        }
+    }
+}
