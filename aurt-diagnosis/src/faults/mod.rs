@@ -40,8 +40,8 @@ pub struct Fault {
     /// Decimal logarithm of the probability that a recording without the fault shows as much, at most 0 and at
     /// least −300.
     pub log10_probability: f64,
-    /// Whether so many rows are concerned that the fault alone can explain a mismatch. What is there but does not
-    /// suffice belongs into the notes of a verdict.
+    /// True if the fault alone can explain a mismatch: so many rows are concerned, or the repair improves the fit. What is there
+    /// but does not suffice belongs into the notes of a verdict.
     pub suffices: bool,
     /// The fault in a sentence.
     pub sentence: String,

@@ -202,6 +202,38 @@ fn a_trial_says_what_a_whole_diagnosis_says() {
     }
 }
 
+/// Five faulty rows of 4000 are claimed if their repair improves the fit, and else are a note.
+#[test]
+fn a_fault_of_few_rows_is_claimed_if_its_repair_matters() {
+    const FAULTY: [usize; 5] = [2900, 2300, 1700, 1100, 500];
+    let model = model();
+    let registry = Registry::linked().unwrap();
+    let said = |spoil: &dyn Fn(&mut Recording)| {
+        let mut recordings = recordings(&model);
+        let mut raw = (*recordings[0].raw).clone();
+        spoil(&mut raw);
+        recordings[0] = questioned(Role::Calibration, raw);
+        let asked = question(&model, &recordings);
+        let verdict = write_verdict(&asked, &investigate(&asked, &registry, |_| {}).unwrap());
+        let noted = verdict.notes.iter().any(|note| note.contains(": 5 "));
+        (claims(&verdict).iter().map(|(effect, _)| (*effect).to_owned()).collect::<Vec<_>>(), noted)
+    };
+    let corrupt = said(&|raw| {
+        let series = raw.measurement.iter_mut().flatten();
+        series.for_each(|series| FAULTY.iter().for_each(|row| series[*row] += 60.0));
+    });
+    assert_eq!(corrupt, (vec!["dropped_samples".to_owned()], false));
+    let missing = said(&|raw| {
+        let series = raw.position_rad.iter_mut().chain(raw.measurement.iter_mut().flatten());
+        series.chain([&mut raw.time_s]).for_each(|series| {
+            for row in FAULTY {
+                series.remove(row);
+            }
+        });
+    });
+    assert_eq!(missing, (vec![], true));
+}
+
 /// A constant larger than dry friction would be friction that drives the joint one way. No machine has that.
 #[test]
 fn a_constant_larger_than_dry_friction_is_no_friction() {

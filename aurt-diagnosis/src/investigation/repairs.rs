@@ -16,22 +16,30 @@ const REPAIRED: f64 = 0.1;
 pub(crate) struct JudgedFaults {
     /// The faults. Those of an effect whose repair matters suffice, however few rows they concern.
     pub(crate) faults: Vec<Fault>,
-    /// Whether the repair of any effect matters.
+    /// True if the repair of any effect matters.
     pub(crate) matter: bool,
 }
 
 impl JudgedFaults {
-    /// Judges the faults of repaired recordings: of each effect, whether the model in question fits them better than the recordings
-    /// without its repair.
+    /// Judges the faults of repaired recordings: of each effect, whether the model in question fits them better than recordings
+    /// that are examined like them but for its repair.
     ///
     /// # Errors
-    /// What evaluation reports.
+    /// Errors of models and filters.
     pub(crate) fn new(as_recorded: &Question<'_>, repaired: &Question<'_>) -> Result<Self, DiagnosisError> {
         let spoilt = repaired.recordings.iter().filter_map(|r| r.spoilt.as_ref());
         let mut faults: Vec<Fault> = spoilt.flat_map(|s| s.faults.faults.iter().cloned()).collect();
+        if faults.is_empty() {
+            return Ok(Self { faults, matter: false });
+        }
+        let after = mean_squares(repaired)?;
         let mut matter = false;
         for effect in [&dropped_samples::EFFECT, &saturation::EFFECT] {
-            if faults.iter().any(|f| f.effect == effect) && repair_helps(as_recorded, repaired, effect)? {
+            if faults.iter().all(|f| f.effect != effect) {
+                continue;
+            }
+            let before = mean_squares_without_repair(as_recorded, effect)?;
+            if before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before) {
                 faults.iter_mut().filter(|f| f.effect == effect).for_each(|f| f.suffices = true);
                 matter = true;
             }
@@ -40,18 +48,15 @@ impl JudgedFaults {
     }
 }
 
-/// Whether the model in question fits the repaired recordings better than the recordings without the repair of one effect.
-fn repair_helps(
+/// The mean squares of recordings without the repair of one effect.
+fn mean_squares_without_repair(
     as_recorded: &Question<'_>,
-    repaired: &Question<'_>,
     effect: &Effect,
-) -> Result<bool, DiagnosisError> {
-    let without: Vec<String> = repaired.without.iter().cloned().chain([effect.id.to_owned()]).collect();
+) -> Result<Vec<f64>, DiagnosisError> {
+    let without: Vec<String> = as_recorded.without.iter().cloned().chain([effect.id.to_owned()]).collect();
     let recordings =
         as_recorded.recordings.iter().map(|r| r.repaired(&without)).collect::<Result<Vec<_>, _>>()?;
-    let as_recorded = Question { recordings: &recordings, ..*as_recorded };
-    let (before, after) = (mean_squares(&as_recorded)?, mean_squares(repaired)?);
-    Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))
+    mean_squares(&Question { recordings: &recordings, ..*as_recorded })
 }
 
 /// Mean squared residual of each joint under the model in question, over what is not for validation.

@@ -12,7 +12,7 @@ pub struct SelectionOptions {
     /// Least score: odds of e⁸ = 3000 to one, against some hundred hypotheses that are tried.
     pub score: f64,
     /// Least share by which the effect lowers the held-out mean squared error of some joint. Two stretches of one
-    /// recording differ by as much.
+    /// recording differ by as much. Of errors in a wider band than usual, less (`least_log_error`).
     pub reduction: f64,
     /// Least share of a joint's log-MSE gain that is lost without the effect (set on nulls of the clean world, seeds 11 to
     /// 202, where it keeps imitations out).
@@ -25,7 +25,8 @@ pub struct SelectionOptions {
     pub rounds: usize,
     /// Candidates whose score is within this share of the best …
     pub tie: f64,
-    /// … or within so many nats compete by parameter count: a likelihood ratio of seven.
+    /// … or within so many nats compete by parameter count, where blocks of time leave open which is better: a likelihood ratio
+    /// of seven.
     pub tie_nats: f64,
     /// Another effect that reaches this share of the best score has its shapes estimated, too, before one is taken:
     /// shapes between two starts cost a law less than half of its score.

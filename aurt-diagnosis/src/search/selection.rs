@@ -162,7 +162,6 @@ impl Selector<'_> {
         }
         let scoring = self.scoring();
         let among = |g: usize| ranked.iter().any(|(r, _)| *r == g) && scoring.meet(g, best);
-        let fit = scoring.fit(chosen);
         scoring.frugal(&fit, &scoring.rank(&fit, among)).or(Some(best))
     }
 

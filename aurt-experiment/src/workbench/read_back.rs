@@ -60,7 +60,7 @@ impl TorqueDifference {
 /// The differences of all joints over sines that reach the speeds of the calibration.
 ///
 /// # Errors
-/// What is wrong with the description, or that it has other joints than the model.
+/// Those of reading the description; a description with another number of joints than the model.
 pub(super) fn torque_differences(
     calibrated: &CalibratedModel,
     written: &WrittenDescription<'_>,

@@ -2,7 +2,7 @@
 //!
 //! Source: OMG, "DDS Interoperability Wire Protocol" 2.5, section 10.
 
-/// Joints of a message that are read, and bytes of the name of each: what a machine says of itself has some dozens.
+/// Joints of a message that are read, and bytes of the name of each: a machine has some dozens.
 pub(super) const MOST_OF_MESSAGE: usize = 1000;
 const MOST_NAME_BYTES: usize = 512;
 
@@ -10,7 +10,7 @@ const MOST_NAME_BYTES: usize = 512;
 pub(super) const BREAKS_OFF: &str = "it is truncated";
 pub(super) const TOO_MANY: &str = "it has more than 1000 joints, or a name of more than 512 bytes";
 
-/// What is still to be decoded.
+/// The rest of a message, still to be decoded.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CdrBody<'a> {
     bytes: &'a [u8],
@@ -23,7 +23,7 @@ impl<'a> CdrBody<'a> {
     /// The body of a message.
     ///
     /// # Errors
-    /// What is wrong with its encapsulation.
+    /// Another encapsulation than CDR.
     pub(super) fn of(message: &'a [u8]) -> Result<Self, &'static str> {
         let (encapsulation, bytes) = message.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {

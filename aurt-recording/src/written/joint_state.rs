@@ -17,7 +17,7 @@ float64[] velocity
 float64[] effort
 ";
 
-/// What a topic says of all joints, as `[joint][sample]`; empty series are left out of its messages.
+/// The states of all joints on a topic, as `[joint][sample]`; empty series are left out of its messages.
 #[derive(Debug, Clone, Copy)]
 pub struct JointTopic<'a> {
     /// Its name.
