@@ -26,7 +26,7 @@ ARMS = {
 OF_LOAD = ("load_dependent_friction", "drive_efficiency", "torque_constant")
 EFFECTS = ("stribeck", "viscous_nonlinear", "coulomb_asymmetry", "viscous_asymmetry", "current_offset", "presliding_hysteresis",
            "spring", "torque_ripple", *OF_LOAD)
-SIZES = (1.0, 3.0)
+SIZES = (1.0, 6.0)
 RATE_HZ = 200.0
 
 
@@ -46,12 +46,11 @@ def ease(x):
 
 def first_motion(kind, home, duration_s, rng):
     """A short, narrow or slow motion of a kind that people record; a function of time, from rest to rest."""
-    n, narrow = len(home), [rng.uniform(0.15, 0.5) for _ in home]
+    n, narrow = len(home), [rng.uniform(0.2, 0.8) for _ in home]
     if kind == "joint by joint":
         # Each joint there and back in its turn; the others rest.
         slot_s = duration_s / n
-        away = lambda j, t: ease((t - j * slot_s) / (0.3 * slot_s)) - 2.0 * ease((t - (j + 0.3) * slot_s) / (0.35 * slot_s)) \
-            + ease((t - (j + 0.65) * slot_s) / (0.3 * slot_s))
+        away = lambda j, t: ease((t - j * slot_s) / (0.45 * slot_s)) - ease((t - (j + 0.5) * slot_s) / (0.45 * slot_s))
     elif kind == "two poses":
         # Between two poses, always in the same time.
         move_s, rest_s = rng.uniform(1.2, 2.5), rng.uniform(0.1, 0.5)

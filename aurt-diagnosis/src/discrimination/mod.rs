@@ -13,6 +13,11 @@
 //! normal with mean D and variance 2 D, and the test by which a diagnosis tells two explanations apart (Student's t over blocks of
 //! time, one-sided, 5 %) decides with probability Φ(√(D/2) − t), with t of all blocks: an upper bound where few of them tell the two apart.
 //!
+//! An effect that is there or not is a nested explanation. It is claimed where its coefficients are as many deviations from zero as
+//! Student's t of the blocks requires (1 %), with probability Φ(√(2 D) − t), D that of the present recordings and the motion together,
+//! min_b ½ ‖X_A β̂_A − X_B b‖². Of an effect that the model absorbs no recording knows the size: it is supposed to have torque as large as
+//! the noise, so that D = ½ n f², with f the share of its torque that the model leaves and n the independent rows.
+//!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 
 mod doubt;
@@ -28,6 +33,7 @@ use aurt_plugins::Registry;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
 use crate::request::Question;
 use doubt::doubts;
@@ -40,6 +46,8 @@ pub struct Discrimination<'a> {
     registry: &'a Registry,
     /// One over the residual's variance times the share of independent rows, joint by joint.
     weights: Vec<f64>,
+    /// Share of the rows that is independent.
+    share: f64,
     /// One over the variance of what the baseline leaves, by which the investigation tells what this absorbs.
     base_weights: Vec<f64>,
     /// The model that the investigation ends with.
@@ -60,9 +68,10 @@ impl<'a> Discrimination<'a> {
         let share = investigation.mean_independent_share.clamp(0.01, 1.0);
         let weights = fitted.weights.iter().map(|weight| weight * share).collect();
         let Investigation { problem, base_switches, floor, .. } = investigation;
-        let (_, base_weights) = weighted_fit(problem, base_switches, floor);
+        let base_weights = of_moved_joints(problem, weighted_fit(problem, base_switches, floor).1);
+        let weights = of_moved_joints(problem, weights);
         let doubts = doubts(question, investigation, &fitted, wanted);
-        Self { question, investigation, registry, weights, base_weights, fitted, doubts }
+        Self { question, investigation, registry, weights, share, base_weights, fitted, doubts }
     }
 
     /// The open questions, those of claims first.
@@ -79,11 +88,30 @@ impl<'a> Discrimination<'a> {
     }
 }
 
+/// Weights in which a joint without fitted rows, which rested or moved in what confirms alone, has the least of the others: the noise
+/// that a motion of it will show is not known, and its residual, none, is no measure of it.
+fn of_moved_joints(problem: &Problem, mut weights: Vec<f64>) -> Vec<f64> {
+    let has_rows: Vec<bool> = (0..weights.len()).map(|joint| problem.rows(joint, false) > 0.0).collect();
+    let known = weights.iter().zip(&has_rows).filter(|(_, has_rows)| **has_rows);
+    let least = known.map(|(weight, _)| *weight).fold(f64::INFINITY, f64::min);
+    for (weight, _) in weights.iter_mut().zip(has_rows).filter(|(_, has_rows)| !has_rows) {
+        *weight = if least.is_finite() { least } else { 0.0 };
+    }
+    weights
+}
+
 /// The probability that a diagnosis prefers the true one of two explanations, and the probability that it prefers the other, by
 /// the expected logarithm D of their likelihoods' ratio and the number of blocks of time that it compares them on.
 fn decided(nats: f64, blocks: usize) -> [f64; 2] {
     let in_deviations = (0.5 * nats.max(0.0)).sqrt();
     [in_deviations, -in_deviations].map(|z| Normal::standard().cdf(z - decisive(blocks)))
+}
+
+/// The probability that a diagnosis claims an effect that is there, by the expected logarithm D of the ratio of likelihoods with and
+/// without it in all recordings, and that it claims one that is not.
+fn claimed(nats: f64, blocks: usize) -> [f64; 2] {
+    let least = student(Normal::standard().inverse_cdf(0.995), blocks.saturating_sub(1).max(1) as f64);
+    [(2.0 * nats.max(0.0)).sqrt(), 0.0].map(|deviations| Normal::standard().cdf(deviations - least))
 }
 
 /// The standard errors from which a diagnosis prefers one of two explanations, as in [`crate::search`].
@@ -93,7 +121,7 @@ fn decisive(blocks: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::decided;
+    use super::{claimed, decided};
 
     #[test]
     fn more_evidence_decides_more_often_and_errs_less() {
@@ -103,5 +131,12 @@ mod tests {
         assert!(nothing[1] > some[1] && some[1] > much[1]);
         // Few blocks decide less often.
         assert!(decided(4.0, 6)[0] < some[0]);
+    }
+
+    #[test]
+    fn an_effect_as_far_from_zero_as_it_must_be_is_claimed_every_other_time() {
+        let required = 4.032_f64; // Student's t, 1 %, of six blocks.
+        assert!((claimed(0.5 * required * required, 6)[0] - 0.5).abs() < 1e-3);
+        assert!(claimed(0.0, 6)[0] < 1e-3 && claimed(40.0, 6)[0] > 0.99);
     }
 }

@@ -5,7 +5,7 @@ use crate::error::DiagnosisError;
 use crate::evidence::baseline::extended_load;
 use crate::evidence::gram::{BlockMoments, Moments};
 use crate::hypotheses::candidates::build_term;
-use crate::recordings::partition::Partition;
+use crate::recordings::partition::{HELD_OUT_TAIL, Partition};
 use crate::recordings::rows::{Fit, JointRows, RecordingRows, Role};
 use crate::recordings::term_rows::term_rows;
 use crate::recordings::unresolved::leave_out_unresolved;
@@ -94,7 +94,12 @@ impl Discrimination<'_> {
             pieces: vec![1],
             end_of_fit: vec![rows.rows()],
         };
-        Ok(MotionMoments { moments: BlockMoments::accumulate(&[rows], &whole).total, largest })
+        let mut moments = BlockMoments::accumulate(&[rows], &whole).total;
+        // Without recordings for it, the last part of each confirms and is not fitted.
+        if question.recordings.iter().all(|recording| recording.role != Role::Validation) {
+            moments.iter_mut().flatten().for_each(|moments| moments.scale(1.0 - HELD_OUT_TAIL));
+        }
+        Ok(MotionMoments { moments, largest })
     }
 
     /// The largest torque of each joint in rows.

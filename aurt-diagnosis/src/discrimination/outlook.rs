@@ -2,27 +2,27 @@ use serde_json::Value;
 
 use super::doubt::{Doubt, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
-use super::{Discrimination, decided};
+use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::Cholesky;
 use crate::hypotheses::group::Switch;
+use crate::investigation::Investigation;
 use crate::verdict::reported;
 use crate::vocabulary::OwnFriction;
 
 /// What a motion would do about a doubt.
 #[derive(Debug, Clone)]
 pub struct Outlook {
-    /// Expected logarithm of the ratio of likelihoods, the smaller of what it is if the one or the other explanation is true;
-    /// none for doubts without two explanations.
+    /// Expected logarithm of the ratio of likelihoods of two rivals, the smaller of what it is if the one or the other is true;
+    /// none for other doubts.
     pub nats: Option<f64>,
-    /// The probability that the doubt is settled: that the true explanation is preferred; of a parameter, the share of the
-    /// wanted deviation; of an absorbed effect, of the share of its torque that has to be free.
+    /// The probability that the doubt is settled: that the true one of two rivals is preferred, that an effect is claimed if it
+    /// is there, that an absorbed one is if its torque is as large as the noise; of a parameter, the share of the wanted deviation.
     pub settled: f64,
     /// The probability that the wrong explanation is preferred.
     pub wrongly: f64,
-    /// The evidence that the motion brings: the expected logarithm of the ratio
-    /// of likelihoods, the square of the free share, or of the ratio of the wanted deviation to that which is left. Other than
-    /// a probability it still grows where the doubt is all but settled.
+    /// The evidence of the motion: the expected logarithm of the ratio of likelihoods, or the square of the ratio of the wanted
+    /// deviation to that which is left. Other than a probability it still grows where the doubt is all but settled.
     pub evidence: f64,
     /// Share of the torque that the other explanation, or the model, cannot take up.
     pub free: f64,
@@ -47,19 +47,25 @@ impl Discrimination<'_> {
     /// The outlook of every doubt, in the order of [`Discrimination::doubts`].
     #[must_use]
     pub fn outlook(&self, planned: &MotionMoments) -> Vec<Outlook> {
-        self.doubts.iter().map(|doubt| self.of(doubt, planned)).collect()
+        self.outlook_of(&(0..self.doubts.len()).collect::<Vec<_>>(), planned)
     }
 
     /// The same of some doubts.
     #[must_use]
     pub fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
-        doubts.iter().map(|k| self.of(&self.doubts[*k], planned)).collect()
+        let all = together(self.investigation.problem.total(), planned);
+        let mut absorbed = self.free(doubts, &all).into_iter();
+        let outlook = |k: &usize| match &self.doubts[*k] {
+            Doubt::Absorbed { subject } => self.of_absorbed(subject, absorbed.next().unwrap_or(0.0), &all),
+            doubt => self.of(doubt, planned, &all),
+        };
+        doubts.iter().map(outlook).collect()
     }
 
     /// Deviations of all parameters of what is claimed, now and with a motion recorded.
     #[must_use]
     pub fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
-        let after = self.narrowed(planned);
+        let after = self.narrowed(&together(self.investigation.problem.total(), planned));
         let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
         groups
             .map(|group| {
@@ -70,26 +76,29 @@ impl Discrimination<'_> {
             .collect()
     }
 
-    fn of(&self, doubt: &Doubt, planned: &MotionMoments) -> Outlook {
+    /// The outlook of a doubt that is not of an absorbed effect.
+    fn of(&self, doubt: &Doubt, planned: &MotionMoments, all: &[Vec<Moments>; 2]) -> Outlook {
+        let problem = &self.investigation.problem;
         match doubt {
-            Doubt::Rivals { explanations, .. } | Doubt::Indicated { explanations, .. } => {
+            Doubt::Rivals { explanations, .. } => {
                 let [one, other] = &**explanations;
-                let ways = [
-                    self.apart(&one.truth, &other.rival, planned),
-                    self.apart(&other.truth, &one.rival, planned),
-                ];
+                let ways = [(one, other), (other, one)].map(|(truth, rival)| {
+                    self.apart(&truth.truth, &rival.rival, &planned.moments, Some(problem.total()))
+                });
                 let nats = ways[0].nats.min(ways[1].nats);
-                let [settled, wrongly] = decided(nats, self.investigation.problem.blocks());
+                let [settled, wrongly] = decided(nats, problem.blocks());
                 let free = ways[0].free.min(ways[1].free);
                 Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
             }
-            Doubt::Absorbed { subject } => {
-                let free = self.free(subject, planned);
-                let settled = (free / self.question.selection.free_share).min(1.0);
-                Outlook { nats: None, settled, wrongly: 0.0, evidence: free * free, free, interval: None }
+            Doubt::Indicated { explanations, .. } => {
+                let [with, without] = &**explanations;
+                let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
+                let [settled, wrongly] = claimed(nats, problem.blocks());
+                Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
             }
+            Doubt::Absorbed { subject } => self.of_absorbed(subject, 0.0, all),
             Doubt::Wide { subject, wanted } => {
-                let of_subject = self.intervals_of(subject, &self.narrowed(planned));
+                let of_subject = self.intervals_of(subject, &self.narrowed(all));
                 let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
                 let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
                 Outlook {
@@ -104,18 +113,37 @@ impl Discrimination<'_> {
         }
     }
 
-    /// How far the rival's torque stays from that of the truth, whatever coefficients it takes that the present recordings allow.
-    fn apart(&self, truth: &ModelFit, rival: &ModelFit, planned: &MotionMoments) -> Apart {
+    /// The outlook of an effect that the present recordings absorb and of which all together leave a share free, if its torque
+    /// is as large as the noise.
+    fn of_absorbed(&self, subject: &Subject, free: f64, all: &[Vec<Moments>; 2]) -> Outlook {
+        let rows = |j: &usize| all.iter().map(|kind| kind[*j].rows).sum::<f64>();
+        let independent = self.share * subject.joints.iter().map(rows).fold(0.0, f64::max);
+        let nats = 0.5 * independent * free * free;
+        let [settled, wrongly] = claimed(nats, self.investigation.problem.blocks());
+        // What cannot be examined is not found, however large.
+        let settled = if free < self.question.selection.free_share { 0.0 } else { settled };
+        Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
+    }
+
+    /// How far the rival's torque stays from that of the truth over some moments, whatever coefficients it takes that the present
+    /// recordings, if they are not among these, allow.
+    fn apart(
+        &self,
+        truth: &ModelFit,
+        rival: &ModelFit,
+        moments: &[Vec<Moments>; 2],
+        present: Option<&[Vec<Moments>; 2]>,
+    ) -> Apart {
         let problem = &self.investigation.problem;
         let (a, b, w) = (&truth.switches[..], &rival.switches[..], &self.weights[..]);
         let own: Vec<Switch> = a.iter().filter(|s| !b.contains(s)).copied().collect();
         let size = {
             let values: Vec<f64> =
                 a.iter().zip(&truth.coefficients).filter(|(s, _)| !b.contains(s)).map(|(_, v)| *v).collect();
-            problem.quadratic(&planned.moments, &own, &values, w)
+            problem.quadratic(moments, &own, &values, w)
         };
-        let products = problem.cross(&planned.moments, b, a, w);
-        let gram = problem.cross(&planned.moments, b, b, w);
+        let products = problem.cross(moments, b, a, w);
+        let gram = problem.cross(moments, b, b, w);
         let (n, of_truth, of_rival) = (b.len(), &truth.coefficients, &rival.coefficients);
         let gradient: Vec<f64> = (0..n)
             .map(|k| {
@@ -132,31 +160,42 @@ impl Discrimination<'_> {
             }
         }
         let (switches, values): (Vec<Switch>, Vec<f64>) = difference.into_iter().unzip();
-        let far = problem.quadratic(&planned.moments, &switches, &values, w);
-        let mut information = problem.cross(problem.total(), b, b, w);
-        information.iter_mut().zip(&gram).for_each(|(sum, new)| *sum += new);
+        let far = problem.quadratic(moments, &switches, &values, w);
+        let mut information = gram;
+        if let Some(present) = present {
+            let known = problem.cross(present, b, b, w);
+            information.iter_mut().zip(known).for_each(|(sum, known)| *sum += known);
+        }
         let near = dot(&gradient, &Cholesky::new(&information, n).solve(&gradient));
         let left = (far - near).max(0.0);
         Apart { nats: 0.5 * left, free: if size > 0.0 { (left / size).sqrt().min(1.0) } else { 1.0 } }
     }
 
-    /// Share of an absorbed effect's torque that is free in the present recordings and the motion together.
-    fn free(&self, subject: &Subject, planned: &MotionMoments) -> f64 {
-        let problem = &self.investigation.problem;
-        let all = together(problem.total(), planned);
-        let base = &self.investigation.base_switches;
-        let share = problem.free_share_in(&all, base, &subject.switches, &self.base_weights);
-        share.into_iter().fold(0.0, f64::max)
+    /// Shares of the torques of the absorbed ones among doubts that are free in the present recordings and the motion together.
+    fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<f64> {
+        let subjects = doubts.iter().filter_map(|k| match &self.doubts[*k] {
+            Doubt::Absorbed { subject } => Some(&subject.switches[..]),
+            _ => None,
+        });
+        let subjects: Vec<&[Switch]> = subjects.collect();
+        let Investigation { problem, base_switches, .. } = self.investigation;
+        let shares = problem.free_share_in(all, base_switches, &subjects.concat(), &self.base_weights);
+        let mut rest = &shares[..];
+        let mut largest = |switches: &&[Switch]| {
+            let (own, others) = rest.split_at(switches.len());
+            rest = others;
+            own.iter().copied().fold(0.0, f64::max)
+        };
+        subjects.iter().map(&mut largest).collect()
     }
 
     /// The deviations of all coefficients with the motion recorded: those of now, less by what the motion adds to the
     /// information.
-    fn narrowed(&self, planned: &MotionMoments) -> Vec<f64> {
+    fn narrowed(&self, all: &[Vec<Moments>; 2]) -> Vec<f64> {
         let fitted = &self.fitted;
         let problem = &self.investigation.problem;
         let switches = &fitted.switches;
-        let all = together(problem.total(), planned);
-        let [now, then] = [problem.total(), &all].map(|moments| {
+        let [now, then] = [problem.total(), all].map(|moments| {
             variances(&problem.cross(moments, switches, switches, &self.weights), switches.len())
         });
         let ratio = |k: usize| if now[k].is_finite() { (then[k] / now[k]).sqrt() } else { 1.0 };

@@ -19,7 +19,7 @@ pub struct Partition {
 }
 
 /// Share of every recording's end that is held out where no validation recordings are given.
-const HELD_OUT_TAIL: f64 = 0.25;
+pub(crate) const HELD_OUT_TAIL: f64 = 0.25;
 
 /// Fewest rows that a piece must keep between its gaps: fewer say nothing of their own error.
 pub(crate) const FEWEST_ROWS: usize = 8;

@@ -93,8 +93,10 @@ pub struct Open {
 
 /// Most pieces of a motion: doubts of different kinds need motions of different kinds.
 const PIECES: usize = 8;
-/// Most pieces of full length. Half of the pieces that are drawn have it; the others are half as long, to fill what is left.
+/// Numbers of pieces of one length that fill a motion: pieces are drawn as long as for one, two, …
 const FULL_PIECES: usize = 4;
+/// The most that a way between two pieces is expected to take, over the time of a piece and its way.
+const WAY: f64 = 0.25;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
 /// Shortest time of a piece, s.
@@ -272,9 +274,11 @@ impl<'a> Planner<'a> {
         let robot = Robot::of_limits("arm", &self.limits);
         let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
-        let duration_s = self.options.duration_s;
-        let count = ((duration_s / (0.5 * way_s + SHORTEST_S)) as usize).clamp(1, FULL_PIECES);
-        let piece_s = (duration_s / count as f64 - if count > 1 { way_s } else { 0.0 }).max(SHORTEST_S);
+        // So long that a number of them and the ways between them fill the motion.
+        let piece_s = |count: usize| {
+            let share_s = self.options.duration_s / count as f64;
+            (share_s - if count > 1 { way_s.min(WAY * share_s) } else { 0.0 }).max(SHORTEST_S)
+        };
         let mut random = Random::labelled(self.options.seed, "next");
         let mut drawn: Vec<(Trajectory, String)> = Vec::new();
         // Some draws do not fit into the limits.
@@ -282,8 +286,7 @@ impl<'a> Planner<'a> {
             if drawn.len() == self.options.draws {
                 break;
             }
-            let length = if attempt % 8 < 4 { 1.0 } else { 0.5 };
-            drawn.extend(self.drawn(attempt, (length * piece_s).max(SHORTEST_S), &mut random));
+            drawn.extend(self.drawn(attempt, piece_s(1 + attempt / 4 % FULL_PIECES), &mut random));
         }
         let mut refusal =
             ("--duration-s", "fits into the limits", "give more time, or wider limits with --limits");
@@ -299,7 +302,7 @@ impl<'a> Planner<'a> {
             let (option, what, remedy) = refusal;
             return Err(Failure::Argument {
                 option,
-                reason: format!("no motion of up to {piece_s:.1} s {what}"),
+                reason: format!("no motion of up to {:.1} s {what}", self.options.duration_s),
                 remedy: remedy.into(),
             });
         }
@@ -407,53 +410,82 @@ impl<'a> Planner<'a> {
         Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
     }
 
-    /// The pieces that together settle most within the duration: the expected number of settled doubts, and the evidence where
-    /// all are as good as settled.
+    /// The pieces that together settle most within the duration. A motion of one long piece and one of several short ones are
+    /// far apart for an exchange: it begins once for each length, with no longer pieces.
     fn exchanged(&self, pieces: &[Piece], open: &[usize]) -> Vec<usize> {
-        let value = |chosen: &[usize]| -> f64 {
-            let Some(sum) = together(chosen.iter().map(|k| &pieces[*k])) else { return f64::NEG_INFINITY };
-            let outlook = self.discrimination.outlook_of(open, &sum);
-            outlook.iter().map(|o| o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln()).sum()
+        let lengths = pieces.iter().map(|piece| piece.trajectory.duration_s()).enumerate();
+        let shortest = lengths.clone().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
+        let counts = (1..=FULL_PIECES).map(|count| self.options.duration_s / count as f64);
+        let exchange = Exchange { planner: self, pieces, open, robot: Robot::of_limits("arm", &self.limits) };
+        let best = counts.map(|longest_s| exchange.of_pieces_up_to(longest_s));
+        let best = best.fold((f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a }).1;
+        if best.is_empty() { shortest.into_iter().collect() } else { best }
+    }
+}
+
+/// Fedorov's exchange of pieces.
+struct Exchange<'e> {
+    planner: &'e Planner<'e>,
+    pieces: &'e [Piece],
+    open: &'e [usize],
+    robot: Robot,
+}
+
+impl Exchange<'_> {
+    /// The expected number of settled doubts, and the evidence where all are as good as settled. Nobody knows whether any of the
+    /// absorbed effects is there: together they count as one doubt.
+    fn value(&self, chosen: &[usize]) -> f64 {
+        let Some(sum) = together(chosen.iter().map(|k| &self.pieces[*k])) else { return f64::NEG_INFINITY };
+        let doubts = self.planner.discrimination.doubts();
+        let is_absorbed = |k: &usize| matches!(doubts[*k], Doubt::Absorbed { .. });
+        let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
+        let outlook = self.planner.discrimination.outlook_of(self.open, &sum);
+        let worth = |(k, o): (&usize, &Outlook)| {
+            let settled = o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln();
+            if is_absorbed(k) { settled / absorbed } else { settled }
         };
-        let robot = Robot::of_limits("arm", &self.limits);
-        let fits = |chosen: &[usize]| {
-            let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
-            let motion = Trajectory::sequence(&robot, SHARE, parts);
-            motion.duration_s() <= self.options.duration_s && self.is_allowed(&motion)
-        };
-        // The best at a place, of those with which the motion is short enough.
-        let best = |chosen: &[usize], place: usize| -> (f64, Vec<usize>) {
-            let all = (0..pieces.len()).into_par_iter().filter_map(|k| {
-                let mut with = chosen.to_vec();
-                with[place] = k;
-                fits(&with).then(|| (value(&with), with))
-            });
-            all.reduce(|| (f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a })
-        };
-        let (mut chosen, mut most): (Vec<usize>, f64) = (Vec::new(), f64::NEG_INFINITY);
+        self.open.iter().zip(&outlook).map(worth).sum()
+    }
+
+    fn fits(&self, chosen: &[usize]) -> bool {
+        let parts = chosen.iter().map(|k| self.pieces[*k].trajectory.clone()).collect();
+        let motion = Trajectory::sequence(&self.robot, SHARE, parts);
+        motion.duration_s() <= self.planner.options.duration_s && self.planner.is_allowed(&motion)
+    }
+
+    /// The best piece at a place, of those up to a length with which the motion is short enough.
+    fn best(&self, chosen: &[usize], place: usize, longest_s: f64) -> (f64, Vec<usize>) {
+        let all = (0..self.pieces.len()).into_par_iter().filter_map(|k| {
+            let mut with = chosen.to_vec();
+            with[place] = k;
+            let is_short = self.pieces[k].trajectory.duration_s() <= longest_s;
+            (is_short && self.fits(&with)).then(|| (self.value(&with), with))
+        });
+        all.reduce(|| (f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a })
+    }
+
+    /// The value of the best motion that is found of pieces up to a length, and its pieces.
+    fn of_pieces_up_to(&self, longest_s: f64) -> (f64, Vec<usize>) {
+        let (mut most, mut chosen): (f64, Vec<usize>) = (f64::NEG_INFINITY, Vec::new());
         while chosen.len() < PIECES {
             let mut longer = chosen.clone();
             longer.push(0);
-            let (value, with) = best(&longer, chosen.len());
+            let (value, with) = self.best(&longer, chosen.len(), longest_s);
             if with.is_empty() {
                 break;
             }
-            (chosen, most) = (with, value);
-        }
-        if chosen.is_empty() {
-            let lengths = pieces.iter().map(|piece| piece.trajectory.duration_s()).enumerate();
-            chosen.extend(lengths.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k));
+            (most, chosen) = (value, with);
         }
         loop {
             let before = most;
             for place in 0..chosen.len() {
-                let (value, with) = best(&chosen, place);
+                let (value, with) = self.best(&chosen, place, longest_s);
                 if value > most {
-                    (chosen, most) = (with, value);
+                    (most, chosen) = (value, with);
                 }
             }
             if most <= before {
-                return chosen;
+                return (most, chosen);
             }
         }
     }
