@@ -76,7 +76,7 @@ class Case:
 
     def judged(self, verdict):
         own, others = self.claims(verdict)
-        if own and not others and all(a["effect"] in CONSTANTS and self.is_truth(own[0] | a) for a in own[0]["alternatives"]):
+        if own and not others and all(self.is_truth(own[0] | a) for a in own[0]["alternatives"]):
             return "right"
         return "wrong" if others and not own and not any(e["alternatives"] for e in others) else "open"
 
@@ -85,7 +85,8 @@ class Case:
         own, others = self.claims(verdict)
         if self.judged(verdict) == "right":
             return None
-        if any(e["alternatives"] and (e in own or any(self.is_truth(e | a) for a in e["alternatives"])) for e in own + others):
+        is_named = lambda e: [self.is_truth(e | a) for a in e["alternatives"]]
+        if any(not all(is_named(e)) for e in own) or any(any(is_named(e)) for e in others):
             return "rivals"
         if own or others:
             return None

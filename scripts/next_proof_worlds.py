@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import pathlib
+import random
 import subprocess
 import sys
 
@@ -88,7 +89,8 @@ class Simulated:
         jitter = missing = 0.0
         if rough:
             log = lambda low, high: math.exp(rng.uniform(math.log(low), math.log(high)))
-            step, white, jitter, missing = math.tau / 2 ** rng.randint(14, 19), log(1e-6, 3e-5), rng.uniform(0.0, 0.05), rng.uniform(0, 3e-3)
+            step, white = math.tau / 2 ** rng.randint(14, 19), log(1e-6, 3e-5)
+            jitter, missing = rng.uniform(0.0, 0.05), rng.uniform(0.0, 3e-3)
             self.memory = rng.uniform(0.1, 0.5), log(0.01, 1.0)
             self.head += [f"[controller]\nbandwidth_hz = {log(8, 50):.2f}\ndamping_ratio = {rng.uniform(0.4, 1.0):.2f}",
                           f"feed_forward = {rng.uniform(0.7, 1.0):.2f}\nfriction_feed_forward = {rng.uniform(0.0, 0.8):.2f}"]
@@ -111,7 +113,8 @@ class Simulated:
         values = {
             "stribeck": lambda: {"excess_nm": [1.5 * torque], "coulomb_nm": [coulomb], "stribeck_velocity_rad_s": rng.uniform(0.03, 0.15),
                                  "exponent": rng.uniform(1.0, 2.0)},
-            "viscous_nonlinear": lambda: {"bend_nm": [0.3 * share * viscous], "slope_nm_s": [viscous], "reference_rad_s": [1.0], "onset": 0.1},
+            "viscous_nonlinear": lambda: {"bend_nm": [0.3 * share * viscous], "slope_nm_s": [viscous], "reference_rad_s": [1.0],
+                                          "onset": 0.1},
             "coulomb_asymmetry": lambda: {"half_difference_nm": [0.5 * sign * torque], "mean_nm": [coulomb]},
             "viscous_asymmetry": lambda: {"half_difference_nm_s": [sign * min(torque, 0.9 * viscous)], "mean_nm_s": [viscous]},
             "current_offset": lambda: {"offset_nm": [0.5 * sign * torque]},
@@ -144,7 +147,6 @@ class Simulated:
 
     def colour(self, file, seed):
         """Adds first-order Gauss-Markov noise to the measurement."""
-        import random
         rng, (share, time_s) = random.Random(seed), self.memory
         rows = list(csv.reader(file.open()))
         n = len(self.home)
@@ -183,7 +185,8 @@ class MuJoCo:
 
     def limits(self):
         b = self.built
-        return [[h - r, h + r, v, a] for h, r, v, a in zip(*(x.tolist() for x in (b.home_rad, b.reach_rad, b.speed_rad_s, b.acceleration_rad_s2)))]
+        rows = zip(b.home_rad - b.reach_rad, b.home_rad + b.reach_rad, b.speed_rad_s, b.acceleration_rad_s2)
+        return [list(map(float, row)) for row in rows]
 
     def record(self, name, seed):
         np = self.numpy
