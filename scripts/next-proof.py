@@ -68,7 +68,7 @@ class Case:
         return subject["effect"] in same and self.lab.joint in subject["joints"]
 
     def claims(self, verdict):
-        """Claims of the truth, and others on its joint; the weak background of `rough` is neither right nor wrong."""
+        """Claims of the truth, and others on its joint; the background of `rough` and `mujoco` is neither right nor wrong."""
         own = [e for e in verdict["effects"] if self.is_truth(e)]
         others = [e for e in verdict["effects"]
                   if e not in own and self.lab.joint in e["joints"] and e["effect"] not in self.lab.background]

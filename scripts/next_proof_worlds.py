@@ -160,9 +160,12 @@ class Simulated:
 
 
 class MuJoCo:
-    """The world `mujoco`: another engine, an arm of its own for each case."""
+    """The world `mujoco`: another engine, an arm of its own for each case.
 
-    background = []
+    The torque of a row acts from its instant to the next step's, 1 ms later: all of its recordings have a delay of -0.5 ms.
+    """
+
+    background = ["time_delay"]
 
     def __init__(self, program, robot, folder, rng):
         sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "aurt-lab" / "mujoco"))
