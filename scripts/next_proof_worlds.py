@@ -79,7 +79,10 @@ def write_motion(file, duration_s, position):
 
 
 class Simulated:
-    """The worlds `clean` and `rough`: AURT's simulator. Rough are the noise, the encoders, the clock, the servo and the experiment."""
+    """The worlds `clean` and `rough`: AURT's simulator. Rough are the noise, the encoders, the clock, the servo and the experiment.
+
+    The background of `rough` is what its experiments do not say: weak effects on all joints, and rows that the logger lost.
+    """
 
     def __init__(self, program, robot, folder, rough, rng):
         self.program, self.robot, self.folder, self.rough, self.arm = program, robot, folder, rough, ARMS[robot]
@@ -106,6 +109,7 @@ class Simulated:
         self.background = [other for other in self.background if other != name]
         self.tables = [self.fields(name, self.joint, rng.uniform(*SIZES), rng)]
         self.tables += [self.fields(other, j, rng.uniform(0.05, 0.25), rng) for other in self.background for j in range(len(self.home))]
+        self.background += ["dropped_samples"] if self.rough else []
 
     def fields(self, name, j, size, rng):
         torque, coulomb, viscous, sign = size * self.noise[j], self.arm["coulomb"][j], self.arm["viscous"][j], rng.choice((-1, 1))
