@@ -104,10 +104,13 @@ class Case:
 
     def run(self):
         """The row of the table; none where nothing is open."""
-        before = self.verdict("first")
+        row = {"case": self.folder.name, "robot": self.robot, "effect": self.lab.effect, "joint": self.lab.joint, "motion": self.motion}
+        try:
+            before = self.verdict("first")
+        except RuntimeError as refused:
+            return row | {"first": str(refused).strip().splitlines()[-1], "doubt": None}
         kind = self.doubt(before)
-        row = {"case": self.folder.name, "robot": self.robot, "effect": self.lab.effect, "joint": self.lab.joint, "motion": self.motion,
-               "first": self.judged(before), "doubt": kind}
+        row |= {"first": self.judged(before), "doubt": kind}
         if kind is None:
             return row
         planned, generic = self.folder / "planned_motion.csv", self.folder / "generic_motion.csv"
