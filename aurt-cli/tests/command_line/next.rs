@@ -23,15 +23,20 @@ fn ranges(text: &str, prefix: &str) -> Vec<[f64; 2]> {
     ranges
 }
 
-#[test]
-fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
+/// The demo with `lacking.toml`, its arm under an experiment without rotors.
+fn lacking_rotors() -> Folder {
     let folder = Folder::new().with_whole_demo();
     let toml = folder.read("experiment.toml");
-    // The demo's arm under an experiment without rotors.
     let lacking: String = toml.split("[[arm_terms]]").enumerate().fold(String::new(), |text, (k, part)| {
         text + if k == 0 { part } else { part.find("\n[").map_or("", |end| &part[end..]) }
     });
     folder.write("lacking.toml", &lacking);
+    folder
+}
+
+#[test]
+fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
+    let folder = lacking_rotors();
     let line =
         "next lacking.toml --until inertia_kg_m2<0.001 --duration-s 16 --tries 16 --json --out motion.csv";
     let run = folder.aurt(line.split(' ')).succeeded();
@@ -78,11 +83,12 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
 
 #[test]
 fn a_plan_is_a_bag_or_an_episode_too() {
-    let folder = Folder::new().with_whole_demo();
+    let folder = lacking_rotors();
     let options = ReadOptions { needs_measurement: false, accepts_plan: true, ..ReadOptions::default() };
     let mut read = Vec::new();
     for more in ["motion.mcap --rate-hz 50", "motion.lerobot --rate-hz 50", "other.lerobot"] {
-        let line = format!("next experiment.toml --duration-s 8 --tries 2 --out {more}");
+        let line =
+            format!("next lacking.toml --until inertia_kg_m2<0.01 --duration-s 8 --tries 2 --out {more}");
         let said = folder.aurt(line.split(' ')).succeeded().stdout();
         assert!(said.contains("written: "), "{said}");
         let name = more.split(' ').next().unwrap_or_default();

@@ -93,7 +93,7 @@ pub struct Open {
 
 /// Most pieces of a motion: doubts of different kinds need motions of different kinds.
 const PIECES: usize = 8;
-/// Numbers of pieces of one length that fill a motion: pieces are drawn as long as for one, two, …
+/// Pieces are drawn as long as for a motion of one piece, of two, … and of so many.
 const FULL_PIECES: usize = 4;
 /// The most that a way between two pieces is expected to take, over the time of a piece and its way.
 const WAY: f64 = 0.25;
@@ -105,8 +105,9 @@ const SHORTEST_S: f64 = 4.0;
 const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
 const SHARE: f64 = 0.8;
-/// A doubt that all pieces together do not settle with this probability is beyond motions like these.
-const EVER: f64 = 0.5;
+/// A doubt that all pieces together do not settle with the first probability is beyond motions like these; with the second where
+/// no doubt reaches the first, since a motion that helps is better than none.
+const EVER: [f64; 2] = [0.5, 0.05];
 
 /// Plans the next motion for an experiment.
 ///
@@ -234,7 +235,8 @@ impl<'a> Planner<'a> {
         let all =
             together(pieces.iter()).ok_or(DiagnosisError::NothingToDiagnose).map_err(aurt::Error::from)?;
         let ever = self.discrimination.outlook(&all);
-        let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= EVER).collect();
+        let least = EVER[usize::from(ever.iter().all(|outlook| outlook.settled < EVER[0]))];
+        let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= least).collect();
         let hopeless = (0..doubts.len()).filter(|k| !open.contains(k));
         next.never = hopeless.map(|k| (doubts[k].clone(), ever[k].clone())).collect();
         if open.is_empty() {
@@ -410,15 +412,15 @@ impl<'a> Planner<'a> {
         Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
     }
 
-    /// The pieces that together settle most within the duration. A motion of one long piece and one of several short ones are
-    /// far apart for an exchange: it begins once for each length, with no longer pieces.
+    /// The pieces that together settle most within the duration. No exchange leads from one long piece to several short ones:
+    /// it begins once for each length, with no longer pieces.
     fn exchanged(&self, pieces: &[Piece], open: &[usize]) -> Vec<usize> {
         let lengths = pieces.iter().map(|piece| piece.trajectory.duration_s()).enumerate();
-        let shortest = lengths.clone().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
-        let counts = (1..=FULL_PIECES).map(|count| self.options.duration_s / count as f64);
+        let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
         let exchange = Exchange { planner: self, pieces, open, robot: Robot::of_limits("arm", &self.limits) };
-        let best = counts.map(|longest_s| exchange.of_pieces_up_to(longest_s));
-        let best = best.fold((f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a }).1;
+        let of_count = |count: usize| exchange.of_pieces_up_to(self.options.duration_s / count as f64);
+        let better = |a: (f64, Vec<usize>), b: (f64, Vec<usize>)| if b.0 > a.0 { b } else { a };
+        let best = (1..=FULL_PIECES).map(of_count).reduce(better).unwrap_or_default().1;
         if best.is_empty() { shortest.into_iter().collect() } else { best }
     }
 }
@@ -436,10 +438,10 @@ impl Exchange<'_> {
     /// absorbed effects is there: together they count as one doubt.
     fn value(&self, chosen: &[usize]) -> f64 {
         let Some(sum) = together(chosen.iter().map(|k| &self.pieces[*k])) else { return f64::NEG_INFINITY };
-        let doubts = self.planner.discrimination.doubts();
-        let is_absorbed = |k: &usize| matches!(doubts[*k], Doubt::Absorbed { .. });
+        let Planner { discrimination, .. } = self.planner;
+        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed { .. });
         let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
-        let outlook = self.planner.discrimination.outlook_of(self.open, &sum);
+        let outlook = discrimination.outlook_of(self.open, &sum);
         let worth = |(k, o): (&usize, &Outlook)| {
             let settled = o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln();
             if is_absorbed(k) { settled / absorbed } else { settled }

@@ -180,7 +180,9 @@ impl Next {
                 format!("{} or {}", self.named(claimed), self.named(rival))
             }
             Doubt::Indicated { subject, .. } => format!("{} or nothing", self.named(subject)),
-            Doubt::Absorbed { subject } => format!("{} as large as the noise or nothing", self.named(subject)),
+            Doubt::Absorbed { subject } => {
+                format!("{} as large as the noise or nothing", self.named(subject))
+            }
             Doubt::Wide { subject, wanted } => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
             }
