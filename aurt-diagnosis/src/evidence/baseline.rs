@@ -113,10 +113,15 @@ pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (T
         .map(|j| {
             let sum = squared_errors[0][j] + squared_errors[1][j];
             let variance = sum / problem.rows(j, false).max(1.0);
-            1.0 / variance.max(floor.get(j).copied().unwrap_or(0.0)).max(f64::MIN_POSITIVE)
+            weight(variance.max(floor.get(j).copied().unwrap_or(0.0)))
         })
         .collect();
     (problem.fit(switches, &weights), weights)
+}
+
+/// The weight of rows whose errors have a variance. A joint that never moves while it is fitted leaves none: it says nothing.
+pub(crate) fn weight(variance: f64) -> f64 {
+    if variance > 0.0 { variance.recip() } else { 0.0 }
 }
 
 /// Whether a column of a model depends on what loads the joints; arm terms do not say.

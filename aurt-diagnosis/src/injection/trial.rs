@@ -7,7 +7,6 @@ use crate::effects::{self, external_contact, time_delay};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, weighted_fit};
 use crate::evidence::gram::BlockMoments;
-use crate::evidence::judge::Judge;
 use crate::evidence::judged::bound_floors;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
@@ -105,7 +104,7 @@ impl Prepared<'_> {
                 contacts.extend(found.into_iter().filter(|f| again.iter().any(|c| f.meets(c))));
             }
         }
-        let Selected { problem, mut selection, switches, coefficients, independent_share } = selected;
+        let Selected { problem, selection, switches, coefficients, independent_share } = selected;
         let noise_notes =
             bound_floors(&rows, layout, &switches, &coefficients, &mut floors, question.names());
         floor = mean_floor(&rows, partition, &floors);
@@ -113,19 +112,7 @@ impl Prepared<'_> {
             let candidate = &candidates[groups[chosen.group].candidate];
             reshape(&mut confirm, candidate, question, self.registry, layout, partition)?;
         }
-        let judge = Judge {
-            problem: &problem,
-            groups: &groups,
-            rows: &rows,
-            partition,
-            layout,
-            floor: &floor,
-            options: &question.selection,
-        };
-        for chosen in &mut selection.chosen {
-            chosen.p_confirm = judge.p_confirm(&confirm, &switches, &groups[chosen.group]);
-        }
-        Ok(Investigation {
+        let mut investigation = Investigation {
             model: reference.model.clone(),
             baseline,
             rows,
@@ -158,7 +145,9 @@ impl Prepared<'_> {
             untried: Vec::new(),
             free: reference.free.clone(),
             mean_independent_share: independent_share,
-        })
+        };
+        investigation.confirm_chosen(question);
+        Ok(investigation)
     }
 
     fn select(

@@ -8,7 +8,7 @@ use aurt_recording::Segment;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
-use crate::investigation::{Fitted, Investigation};
+use crate::investigation::{Fitted, Investigation, WORSE};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, gears_anew, undone};
@@ -144,8 +144,8 @@ fn without_claims(
 ///
 /// The torque c that the gears take from the measurement, freed of what the model absorbs, is r₀ − r₁: the residual of the model
 /// fitted with their torque in it (`original`), less that of the model fitted without. If a gear is there, r₀ follows c with an
-/// amplitude of one. An amplitude below what physics allows by [`AWAY_STD`] deviations shows that another effect was fitted: the
-/// gear is not confirmed.
+/// amplitude of one. An amplitude below what physics allows by [`AWAY_STD`] deviations shows that another effect was fitted, and so
+/// do held-out rows that the model predicts worse: the gear is not confirmed.
 fn refitted(
     question: &Question<'_>,
     original: &Judged,
@@ -158,8 +158,17 @@ fn refitted(
         let corrected = Question { recordings: &freed, ..*question };
         let baseline = if of_all { Baseline::of_all(&corrected)? } else { Baseline::new(&corrected)? };
         let after = Judged::new(&corrected, baseline)?;
+        let held_out = [original, &after].map(|judged| left(question, judged).held_out_rms);
         let mut contradicted = false;
         for gear in gears.iter_mut().filter(|g| g.confirmed) {
+            let [without, with] = held_out.each_ref().map(|rms| rms[gear.joint]);
+            if without > 0.0 && with > (1.0 + WORSE) * without {
+                let joint = question.names().joint(gear.joint);
+                gear.confirmed = false;
+                gear.fails.push(format!("held-out data are predicted better without it on {joint}"));
+                contradicted = true;
+                continue;
+            }
             let [amplitude, std] = amplitude(question, [original, &after], gear);
             if amplitude + AWAY_STD * std < AMPLITUDE[0] {
                 gear.confirmed = false;

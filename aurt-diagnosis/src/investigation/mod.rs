@@ -139,6 +139,16 @@ impl Investigation {
         self.switches_of(self.selection.chosen.iter().map(|c| &self.groups[c.group]))
     }
 
+    /// Judges what was selected on the rows that confirm.
+    pub(crate) fn confirm_chosen(&mut self, question: &Question<'_>) {
+        let switches = self.switches();
+        let Self { selection, confirm, groups, layout, partition, problem, rows, floor, .. } = self;
+        let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
+        for chosen in &mut selection.chosen {
+            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group]);
+        }
+    }
+
     /// The baseline's coefficients and those of some groups.
     pub(crate) fn switches_of<'g>(&self, groups: impl Iterator<Item = &'g Group>) -> Vec<Switch> {
         let mut all = self.base_switches.clone();
@@ -394,26 +404,14 @@ fn examine(
         problem,
         groups,
         free,
-        mut selection,
+        selection,
         fitted: Fitted { switches, fit: TotalFit { coefficients, .. }, .. },
         mean_independent_share,
         misfit,
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors, question.names()));
     floor = mean_floor(&rows, &partition, &floors);
-    let judge = Judge {
-        problem: &problem,
-        groups: &groups,
-        rows: &rows,
-        partition: &partition,
-        layout: &layout,
-        floor: &floor,
-        options: &question.selection,
-    };
-    for chosen in &mut selection.chosen {
-        chosen.p_confirm = judge.p_confirm(&confirm, &switches, &groups[chosen.group]);
-    }
-    let investigation = Investigation {
+    let mut investigation = Investigation {
         model,
         baseline,
         rows,
@@ -447,6 +445,7 @@ fn examine(
         free,
         mean_independent_share,
     };
+    investigation.confirm_chosen(question);
     Ok(Examination { investigation, recordings: gears.recordings.unwrap_or(recordings) })
 }
 

@@ -7,12 +7,11 @@
 use aurt_plugins::Registry;
 
 use crate::error::DiagnosisError;
-use crate::evidence::judge::Judge;
 use crate::investigation::earned::Indicated;
 use crate::investigation::{Investigation, earn, reshape};
 use crate::request::Question;
 use crate::search::ground::Recorded;
-use crate::search::selection::{Chosen, Selection, Selector};
+use crate::search::selection::{Selection, Selector};
 
 /// Searches after the first. Each bars what failed before it; two suffice for a chain of an effect and its two neighbours.
 const SEARCHES: usize = 2;
@@ -28,32 +27,36 @@ pub(super) fn reselect(
     investigation: &mut Investigation,
     mut progress: impl FnMut(&str),
 ) -> Result<(), DiagnosisError> {
+    let mut barred: Vec<usize> = investigation.indicated.iter().map(|i| i.chosen.group).collect();
     for _ in 0..SEARCHES {
-        let failed = investigation.indicated.clone();
-        let passed = (investigation.selection.clone(), investigation.stability.clone());
-        if failed.is_empty() {
+        if barred.is_empty() {
             return Ok(());
         }
+        let passed = (investigation.selection.clone(), investigation.stability.clone());
+        let failed = std::mem::take(&mut investigation.indicated);
         progress("searching again without what failed a test");
-        investigation.selection = search(question, registry, investigation, &failed, &mut progress);
+        investigation.selection = search(question, registry, investigation, &barred, &mut progress);
         confirm(question, registry, investigation)?;
         earn(question, investigation)?;
-        let score = |selection: &Selection| selection.chosen.iter().map(|c| c.score).sum::<f64>();
-        let found_more = score(&investigation.selection) > score(&passed.0);
         let failed_now = std::mem::replace(&mut investigation.indicated, failed);
-        if !found_more {
+        let before = barred.len();
+        // The search was among those that are not barred.
+        barred.extend(failed_now.iter().map(|i| i.chosen.group));
+        let score = |selection: &Selection| selection.chosen.iter().map(|c| c.score).sum::<f64>();
+        if score(&investigation.selection) > score(&passed.0) {
+            let Investigation { selection, indicated, .. } = investigation;
+            indicated.retain(|i| selection.chosen.iter().all(|c| c.group != i.chosen.group));
+            let is_new = |i: &Indicated| indicated.iter().all(|old| old.chosen.group != i.chosen.group);
+            let new: Vec<Indicated> = failed_now.into_iter().filter(is_new).collect();
+            indicated.extend(new);
+        } else {
             (investigation.selection, investigation.stability) = passed;
             // The search has estimated shapes anew.
-            return confirm(question, registry, investigation);
+            confirm(question, registry, investigation)?;
         }
-        let is_claimed = |group: usize, chosen: &[Chosen]| chosen.iter().any(|c| c.group == group);
-        let Investigation { selection, indicated, .. } = investigation;
-        indicated.retain(|i| !is_claimed(i.chosen.group, &selection.chosen));
-        let new: Vec<Indicated> = failed_now
-            .into_iter()
-            .filter(|new| indicated.iter().all(|old| old.chosen.group != new.chosen.group))
-            .collect();
-        indicated.extend(new);
+        if barred.len() == before {
+            return Ok(());
+        }
     }
     Ok(())
 }
@@ -63,12 +66,10 @@ fn search(
     question: &Question<'_>,
     registry: &Registry,
     investigation: &mut Investigation,
-    failed: &[Indicated],
+    barred: &[usize],
     progress: &mut impl FnMut(&str),
 ) -> Selection {
-    let open: Vec<usize> = (0..investigation.groups.len())
-        .filter(|group| failed.iter().all(|f| f.chosen.group != *group))
-        .collect();
+    let open: Vec<usize> = (0..investigation.groups.len()).filter(|group| !barred.contains(group)).collect();
     let groups: Vec<_> = open.iter().map(|group| investigation.groups[*group].clone()).collect();
     let passed = &investigation.selection.chosen;
     let start = passed.iter().filter_map(|c| open.iter().position(|group| *group == c.group)).collect();
@@ -103,17 +104,11 @@ fn confirm(
     registry: &Registry,
     investigation: &mut Investigation,
 ) -> Result<(), DiagnosisError> {
-    let switches = investigation.switches();
-    let Investigation {
-        selection, confirm, candidates, groups, layout, partition, problem, rows, floor, ..
-    } = investigation;
+    let Investigation { selection, confirm, candidates, groups, layout, partition, .. } = investigation;
     for chosen in &selection.chosen {
         let candidate = &candidates[groups[chosen.group].candidate];
         reshape(confirm, candidate, question, registry, layout, partition)?;
     }
-    let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
-    for chosen in &mut selection.chosen {
-        chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group]);
-    }
+    investigation.confirm_chosen(question);
     Ok(())
 }

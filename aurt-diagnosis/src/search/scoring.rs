@@ -3,6 +3,7 @@
 use aurt_calibration::{ONE_SIDED_5, student};
 use rayon::prelude::*;
 
+use crate::evidence::baseline::weight;
 use crate::evidence::chance::Chance;
 use crate::evidence::nested::NestedFit;
 use crate::hypotheses::group::{Group, Switch};
@@ -94,7 +95,7 @@ impl Scoring<'_> {
         let weight = |j: usize| {
             let rows = problem.rows(j, false).max(1.0);
             let variance = (squared_errors[0][j] + squared_errors[1][j]) / rows;
-            1.0 / variance.max(self.floor[j]).max(f64::MIN_POSITIVE)
+            weight(variance.max(self.floor[j]))
         };
         (coefficients, (0..problem.joints()).map(weight).collect())
     }

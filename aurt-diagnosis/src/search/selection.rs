@@ -25,21 +25,16 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// The probability that chance alone makes such a finding, of what the search and the held-out rows say.
+    /// The probability that chance alone makes such a finding. It has to hold both in the rows that it was found in and in
+    /// those that nothing was fitted to, so that the larger of the two probabilities decides (R. L. Berger, *Technometrics* 24,
+    /// 1982): what fits some recordings only is nothing that the robot has.
     #[must_use]
     pub fn by_chance(&self) -> Option<f64> {
         match (self.p_null, self.p_confirm) {
-            (Some(search), Some(confirmed)) => Some(both(search, confirmed)),
+            (Some(search), Some(confirmed)) => Some(search.max(confirmed)),
             (one, other) => one.or(other),
         }
     }
-}
-
-/// The probability that two independent tests of nothing have a product of probabilities as small as that of two (R. A.
-/// Fisher, *Statistical Methods for Research Workers*, 4th edition, 1932, § 21.1): x (1 − ln x).
-fn both(one: f64, other: f64) -> f64 {
-    let product = one * other;
-    if product > 0.0 { product * (1.0 - product.ln()) } else { 0.0 }
 }
 
 /// A group that could stand in the place of another.

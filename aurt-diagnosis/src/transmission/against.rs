@@ -3,8 +3,9 @@
 //! The positions' noise, filters, clocks and wrong inertias leave residuals that follow the motion, too. They have one thing
 //! in common: at no frequency do they turn the phase sharply. A resonator does. So before a gear is judged, the residual
 //! and the gear's torque are freed of
-//! - M e_j q̈_j, filtered at zero phase with any gain in each of several bands: noise of the encoder of joint j
-//!   (the model answers to it and the drives do not), the positions' filter, an inertia that is wrong;
+//! - M e_j q̈_j and M e_j τ_j, filtered at zero phase with any gain in each of several bands: noise of the encoder of joint j, and
+//!   of those of other joints, which moves the load τ_j of a simulated link (the model answers to it and the drives do not), the
+//!   positions' filter, an inertia that is wrong;
 //! - on each joint i its load τ_i (gain), τ̇_i (delay, a drive's lag), τ̈_i (a second-order filter, inertia behind a gear
 //!   whose encoder is at the link), q̇_i and q̈_i (viscous friction, rotor inertia).
 
@@ -14,7 +15,7 @@ use super::link::Gear;
 use super::rows::Rows;
 use crate::error::DiagnosisError;
 
-/// Upper ends of the bands in which the gain along M e_j q̈_j is free, in units of the highest frequency of the rows.
+/// Upper ends of the bands in which the gains along M e_j q̈_j and M e_j τ_j are free, in units of the highest frequency of the rows.
 const BANDS: [f64; 5] = [1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 0.75];
 /// A column of which the others leave less than this share of its length is one of them.
 const INDEPENDENT: f64 = 1e-6;
@@ -42,9 +43,9 @@ pub(super) struct Against<'a> {
     power: Vec<f64>,
 }
 
-/// Most columns of a joint's own, and along M e_j q̈_j; then the residual.
+/// Most columns of a joint's own, and along M e_j q̈_j and M e_j τ_j; then the residual.
 const OWN: usize = 5;
-const ALONG: usize = BANDS.len() + 1;
+const ALONG: usize = 2 * (BANDS.len() + 1);
 const WIDTH: usize = OWN + ALONG + 1;
 
 /// A number for each column that is taken off, and the residual.
@@ -105,11 +106,13 @@ impl<'a> Against<'a> {
             return Ok(None);
         }
         let span: Vec<usize> = if all { (0..freed.own.len()).filter(judged).collect() } else { vec![joint] };
-        let acceleration = &rows.acceleration_rad_s2[joint];
-        let mut filtered = vec![acceleration.clone()];
+        let moves = [&rows.acceleration_rad_s2[joint], &rows.load_nm[joint]];
+        let mut filtered: Vec<Vec<f64>> = moves.map(Clone::clone).to_vec();
         for edge in BANDS {
             let low = ZeroPhase::butterworth(4, edge * rows.top_hz, rows.rate_hz)?;
-            filtered.push(low.filter(acceleration)?);
+            for series in moves {
+                filtered.push(low.filter(series)?);
+            }
         }
         let columns = filtered
             .iter()

@@ -218,7 +218,7 @@ pub struct Evidence {
     pub score: f64,
     /// What it had to exceed.
     pub threshold: f64,
-    /// Probability that chance alone makes such a finding: of `p_null` and `p_confirm` together, by Fisher's method; of gears by
+    /// Probability that chance alone makes such a finding: the larger of `p_null` and `p_confirm`, since both have to hold; of gears by
     /// Student's t of what they gain on parts of held-out time, for all gears that are looked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p: Option<f64>,
