@@ -109,19 +109,8 @@ pub fn own_switches(model: &RobotModel) -> Vec<Switch> {
 #[must_use]
 pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (TotalFit, Vec<f64>) {
     let (_, squared_errors) = problem.least_squares(switches, &vec![1.0; problem.joints()]);
-    let weights: Vec<f64> = (0..problem.joints())
-        .map(|j| {
-            let sum = squared_errors[0][j] + squared_errors[1][j];
-            let variance = sum / problem.rows(j, false).max(1.0);
-            weight(variance.max(floor.get(j).copied().unwrap_or(0.0)))
-        })
-        .collect();
+    let weights = problem.weights(&squared_errors, floor);
     (problem.fit(switches, &weights), weights)
-}
-
-/// The weight of rows whose errors have a variance. A joint that never moves while it is fitted leaves none: it says nothing.
-pub(crate) fn weight(variance: f64) -> f64 {
-    if variance > 0.0 { variance.recip() } else { 0.0 }
 }
 
 /// Whether a column of a model depends on what loads the joints; arm terms do not say.

@@ -34,6 +34,20 @@ impl Problem {
         TotalFit { coefficients, variance, squared_errors }
     }
 
+    /// The weight of each joint's rows: one over the variance that a fit leaves, which is no less than the floor and than what
+    /// rounding makes of the measurement. Rows without a measurement that moves say nothing.
+    pub(crate) fn weights(&self, squared_errors: &[Vec<f64>; 2], floor: &[f64]) -> Vec<f64> {
+        let sum = |of: &dyn Fn(usize) -> f64| of(0) + of(1);
+        let weight = |j: usize| {
+            let rows = self.rows(j, false).max(1.0);
+            let left = sum(&|kind| squared_errors[kind][j]) / rows;
+            let rounding = f64::EPSILON * sum(&|kind| self.total()[kind][j].square) / rows;
+            let variance = left.max(rounding).max(floor.get(j).copied().unwrap_or(0.0));
+            if variance > 0.0 { variance.recip() } else { 0.0 }
+        };
+        (0..self.joints()).map(weight).collect()
+    }
+
     /// Coefficients of the least squares over all blocks, and their squared errors, `[kind][joint]`.
     #[must_use]
     pub fn least_squares(&self, switches: &[Switch], weights: &[f64]) -> (Vec<f64>, [Vec<f64>; 2]) {

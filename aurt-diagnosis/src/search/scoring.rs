@@ -3,7 +3,6 @@
 use aurt_calibration::{ONE_SIDED_5, student};
 use rayon::prelude::*;
 
-use crate::evidence::baseline::weight;
 use crate::evidence::chance::Chance;
 use crate::evidence::nested::NestedFit;
 use crate::hypotheses::group::{Group, Switch};
@@ -92,12 +91,8 @@ impl Scoring<'_> {
     fn least_squares(&self, switches: &[Switch]) -> (Vec<f64>, Vec<f64>) {
         let problem = self.ground.problem();
         let (coefficients, squared_errors) = problem.least_squares(switches, &vec![1.0; problem.joints()]);
-        let weight = |j: usize| {
-            let rows = problem.rows(j, false).max(1.0);
-            let variance = (squared_errors[0][j] + squared_errors[1][j]) / rows;
-            weight(variance.max(self.floor[j]))
-        };
-        (coefficients, (0..problem.joints()).map(weight).collect())
+        let weights = problem.weights(&squared_errors, self.floor);
+        (coefficients, weights)
     }
 
     fn nested(&self, switches: &[Switch], weights: &[f64], shares: Vec<f64>) -> Weighed {

@@ -355,3 +355,24 @@ impl Scoring<'_> {
         ranked.into_iter().map(rival).filter(|r| r.as_good || r.open).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Chosen;
+
+    #[test]
+    fn what_held_out_rows_do_not_confirm_is_chance() {
+        let chosen = |p_null, p_confirm| Chosen {
+            group: 0,
+            score: 100.0,
+            threshold: 8.0,
+            p_null,
+            p_confirm,
+            joint_loss: Vec::new(),
+            rivals: Vec::new(),
+        };
+        assert_eq!(chosen(Some(1e-9), Some(0.7)).by_chance(), Some(0.7));
+        assert_eq!(chosen(Some(0.3), Some(0.001)).by_chance(), Some(0.3));
+        assert_eq!(chosen(Some(1e-9), None).by_chance(), Some(1e-9));
+    }
+}

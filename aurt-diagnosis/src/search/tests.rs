@@ -3,6 +3,7 @@
 use super::ground::{Beside, Ground};
 use super::selection::{Selection, Selector};
 use crate::effects;
+use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::judge::Judge;
@@ -283,4 +284,14 @@ fn a_sign_holds_on_held_out_blocks_too() {
     assert!((without - with).abs() < 1e-9 * without, "{without} {with}");
     let all = rows.problem.nest(&[switch(0, false), signed[0]], &[1.0]);
     assert!((rows.problem.held_out(&all, &[])[0][0] - without).abs() < 1e-9 * without);
+}
+
+#[test]
+fn a_fit_without_an_error_is_finite() {
+    let mut recording = recording(Role::Calibration, 8, &[1.0, 0.8]);
+    let joint = &mut recording.joints[0];
+    joint.measurement = joint.data[..ROWS].iter().map(|x| 2.0 * x).collect();
+    let rows = Rows::new(vec![recording]);
+    let (fit, weights) = weighted_fit(&rows.problem, &[switch(0, false)], &[0.0]);
+    assert!((fit.coefficients[0] - 2.0).abs() < 1e-9 && weights[0].is_finite(), "{fit:?}");
 }

@@ -42,7 +42,7 @@ fn motion(joint: usize, t: f64) -> [f64; 2] {
 }
 
 /// The link of joint 0 on a spring of `hz` (integrated ten times finer than it is recorded), or rigid gears.
-fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
+fn searched(encoder_noise_rad: [f64; 2], hz: Option<f64>) -> Option<Found> {
     let samples = (SECONDS * RATE_HZ) as usize;
     let mut noise = normal(3);
     let (mut x, mut v) = (0.0, 0.0);
@@ -74,7 +74,7 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
             }
         }
         for j in 0..2 {
-            recording.position_rad[j].push(motion(j, t)[0] + encoder_noise_rad * noise());
+            recording.position_rad[j].push(motion(j, t)[0] + encoder_noise_rad[j] * noise());
             let torque = INERTIA[j][0] * (acceleration[0] + link) + INERTIA[j][1] * acceleration[1];
             measured[j].push(torque + TORQUE_NOISE_NM * noise());
         }
@@ -117,7 +117,7 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
 #[test]
 fn a_gear_of_known_stiffness_is_found_with_it() {
     for hz in [4.0, 9.0, 14.0] {
-        let found = searched(1e-6, Some(hz)).unwrap();
+        let found = searched([1e-6; 2], Some(hz)).unwrap();
         assert!(found.confirmed(), "{hz} Hz: {:?}", found.fails);
         assert!((found.shape.hz / hz - 1.0).abs() < 0.03, "{hz} Hz: {:?}", found.shape);
         assert!((found.amplitude - 1.0).abs() < 0.15, "{hz} Hz: {}", found.amplitude);
@@ -127,14 +127,22 @@ fn a_gear_of_known_stiffness_is_found_with_it() {
 #[test]
 fn noise_of_encoders_is_no_gear() {
     for noise_rad in [1e-6, 1e-5, 1e-4] {
-        let found = searched(noise_rad, None);
+        let found = searched([noise_rad; 2], None);
+        assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
+    }
+}
+
+#[test]
+fn noise_of_another_joints_encoder_is_no_gear() {
+    for noise_rad in [1e-5, 1e-4, 1e-3] {
+        let found = searched([1e-6, noise_rad], None);
         assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
     }
 }
 
 #[test]
 fn a_gear_is_found_beneath_the_noise_of_encoders() {
-    let found = searched(1e-5, Some(9.0)).unwrap();
+    let found = searched([1e-5; 2], Some(9.0)).unwrap();
     assert!(found.confirmed(), "{:?}", found.fails);
     assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
 }
