@@ -2,7 +2,8 @@
 
 use aurt::Asked;
 use aurt_diagnosis::{
-    Answer, Finding, Indication, JointResidual, NotDecidable, Verdict, effects, vocabulary::Family,
+    Answer, Finding, Indication, JointResidual, NotDecidable, Verdict, VisibleGear, effects,
+    vocabulary::Family,
 };
 use aurt_traits::RobotNames;
 
@@ -320,10 +321,14 @@ pub fn undecidable(effect: &NotDecidable, names: RobotNames<'_>) -> String {
 /// The gears that would have shown on every joint on which one would, in a sentence.
 pub fn visible_gears(verdict: &Verdict) -> Option<String> {
     let gears = &verdict.gears_visible;
-    let smallest = gears.iter().filter_map(|g| g.below_nm_rad).min_by(f64::total_cmp);
-    let widest = gears.iter().filter_map(|g| g.beyond_rad).max_by(f64::total_cmp);
-    let softer = smallest.map(|stiffness| format!("gears softer than {stiffness:.1e} Nm/rad"));
-    let wider = widest.map(|play| format!("play beyond ± {play:.1e} rad"));
+    let range = |of: &dyn Fn(&VisibleGear) -> Option<f64>| {
+        let least = gears.iter().filter_map(of).min_by(f64::total_cmp)?;
+        let most = gears.iter().filter_map(of).max_by(f64::total_cmp)?;
+        let [least, most] = [least, most].map(|value| format!("{value:.1e}"));
+        Some(if least == most { least } else { format!("{least} to {most}") })
+    };
+    let softer = range(&|g| g.below_nm_rad).map(|stiffness| format!("gears softer than {stiffness} Nm/rad"));
+    let wider = range(&|g| g.beyond_rad).map(|play| format!("play beyond ± {play} rad"));
     let visible: Vec<String> = [softer, wider].into_iter().flatten().collect();
     let shows = gears.iter().filter(|g| g.below_nm_rad.is_some() || g.beyond_rad.is_some()).count();
     let on =

@@ -1,5 +1,7 @@
 //! From gears that give way or have play to findings.
 
+use aurt_calibration::with_deviation;
+
 use crate::investigation::Investigation;
 use crate::parameters::{ParameterValue, Parameters};
 use crate::recordings::rows::Role;
@@ -26,6 +28,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
     let [in_calibration, in_target] = shaking.present;
     let kinds = [("calibration", in_calibration), ("target", in_target || (targets && in_calibration))];
     let number = |[value, std]: [f64; 2]| ParameterValue::new(value, std);
+    let sized = |[value, std]: [f64; 2]| with_deviation(value, std);
     let mut parameters = Parameters::from([
         ("stiffness_nm_rad".to_owned(), number(shaking.stiffness_nm_rad)),
         ("damping_nm_s".to_owned(), number(shaking.damping_nm_s)),
@@ -35,15 +38,16 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
         format!(
-            "{} on {joint}: a play of ± {:.2e} rad predicts the residual of the rigid model",
-            shaking.effect.title, shaking.gap_rad[0]
+            "{} on {joint}: half a play of {} rad predicts the residual of the rigid model",
+            shaking.effect.title,
+            sized(shaking.gap_rad)
         )
     } else {
         parameters.insert("frequency_hz".to_owned(), ParameterValue::exact(shaking.frequency_hz));
         format!(
-            "{} on {joint}: a stiffness of {:.3e} {} ({:.1} Hz) predicts the residual of the rigid model",
+            "{} on {joint}: a stiffness of {} {} ({:.1} Hz) predicts the residual of the rigid model",
             shaking.effect.title,
-            shaking.stiffness_nm_rad[0],
+            sized(shaking.stiffness_nm_rad),
             Unit::Stiffness.symbol(question.unit),
             shaking.frequency_hz
         )

@@ -199,6 +199,6 @@ fn gears_that_would_show_are_one_line() {
     let said = visible_gears(&found).unwrap();
     assert_eq!(
         said,
-        "gears softer than 9.0e2 Nm/rad or play beyond ± 3.4e-4 rad would show on 2 of 3 joints"
+        "gears softer than 9.0e2 to 2.1e4 Nm/rad or play beyond ± 1.0e-4 to 3.4e-4 rad would show on 2 of 3 joints"
     );
 }
