@@ -133,6 +133,8 @@ impl NextMotion {
         let progress = terminal.progress(24 + self.tries);
         let next = plan_next(&experiment, registry, &options, &progress)?;
         drop(progress);
+        // By now the recordings are known to be inputs.
+        let out = PlannedOutput::new("--out", out.path(), &inputs)?;
         let mut text = next.to_text();
         let mut outputs = Vec::new();
         if let Some(plan) = &next.motion {

@@ -122,7 +122,7 @@ fn plans_that_cannot_be_are_refused() {
     assert!(!folder.names().iter().any(|name| name.starts_with("motion")));
 }
 
-/// Friction of the UR10e's joint 1 depends on load, speed or both, and the pose decides.
+/// Held-out rows do not confirm that friction of joints 1 and 2 is curved, and that joint 5 warms.
 #[test]
 fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
     let Some(_) = real_recordings("next of the UR10e") else { return };
@@ -131,8 +131,7 @@ fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
     let run = folder.aurt(["next", experiment, "--json", "--out", "motion.script"]).succeeded();
     let plan: Value = serde_json::from_str(&run.stdout()).unwrap();
     let open = plan["open"].as_array().unwrap();
-    let laws = open.iter().find(|doubt| doubt["doubt"]["kind"] == "rivals").unwrap();
-    let settled = |way: &str| laws[way]["settled"].as_f64().unwrap();
-    assert!(settled("planned") > settled("recorded_again").max(settled("multi_sine")), "{laws}");
+    let settled = |way: &str| open.iter().map(|doubt| doubt[way]["settled"].as_f64().unwrap()).sum::<f64>();
+    assert!(settled("planned") > settled("recorded_again").max(settled("multi_sine")), "{open:?}");
     assert!(folder.read("motion.script").starts_with("def aurt_motion():"));
 }
