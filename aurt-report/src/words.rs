@@ -318,7 +318,7 @@ pub fn undecidable(effect: &NotDecidable, names: RobotNames<'_>) -> String {
     format!("{} ({})", effect.effect, names.joint_list(&effect.joints))
 }
 
-/// The gears that would have shown on every joint on which one would, in a sentence.
+/// The gears that would have shown, from the least to the most of all joints, in a sentence.
 pub fn visible_gears(verdict: &Verdict) -> Option<String> {
     let gears = &verdict.gears_visible;
     let range = |of: &dyn Fn(&VisibleGear) -> Option<f64>| {

@@ -133,7 +133,7 @@ impl NextMotion {
         let progress = terminal.progress(24 + self.tries);
         let next = plan_next(&experiment, registry, &options, &progress)?;
         drop(progress);
-        // By now the recordings are known to be inputs.
+        // Only reading the experiment tells which recordings are inputs; without a motion, nothing would check them.
         let out = PlannedOutput::new("--out", out.path(), &inputs)?;
         let mut text = next.to_text();
         let mut outputs = Vec::new();

@@ -89,7 +89,7 @@ impl<'a> Discrimination<'a> {
 }
 
 /// Weights in which a joint without fitted rows, which rested or moved in what confirms alone, has the least of the others: the noise
-/// that a motion of it will show is not known, and its residual, none, is no measure of it.
+/// that a motion of it will show is not known, and it has no residual to estimate it from.
 fn of_moved_joints(problem: &Problem, mut weights: Vec<f64>) -> Vec<f64> {
     let has_rows: Vec<bool> = (0..weights.len()).map(|joint| problem.rows(joint, false) > 0.0).collect();
     let known = weights.iter().zip(&has_rows).filter(|(_, has_rows)| **has_rows);

@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use super::doubt::{Doubt, ModelFit, Subject};
+use super::doubt::{DeviationGoal, Doubt, Explanation, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
 use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
@@ -57,7 +57,9 @@ impl Discrimination<'_> {
         let mut absorbed = self.free(doubts, &all).into_iter();
         let outlook = |k: &usize| match &self.doubts[*k] {
             Doubt::Absorbed { subject } => self.of_absorbed(subject, absorbed.next().unwrap_or(0.0), &all),
-            doubt => self.of(doubt, planned, &all),
+            Doubt::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
+            Doubt::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
+            Doubt::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
         };
         doubts.iter().map(outlook).collect()
     }
@@ -76,40 +78,34 @@ impl Discrimination<'_> {
             .collect()
     }
 
-    /// The outlook of a doubt that is not of an absorbed effect.
-    fn of(&self, doubt: &Doubt, planned: &MotionMoments, all: &[Vec<Moments>; 2]) -> Outlook {
+    fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
         let problem = &self.investigation.problem;
-        match doubt {
-            Doubt::Rivals { explanations, .. } => {
-                let [one, other] = &**explanations;
-                let ways = [(one, other), (other, one)].map(|(truth, rival)| {
-                    self.apart(&truth.truth, &rival.rival, &planned.moments, Some(problem.total()))
-                });
-                let nats = ways[0].nats.min(ways[1].nats);
-                let [settled, wrongly] = decided(nats, problem.blocks());
-                let free = ways[0].free.min(ways[1].free);
-                Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
-            }
-            Doubt::Indicated { explanations, .. } => {
-                let [with, without] = &**explanations;
-                let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
-                let [settled, wrongly] = claimed(nats, problem.blocks());
-                Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
-            }
-            Doubt::Absorbed { subject } => self.of_absorbed(subject, 0.0, all),
-            Doubt::Wide { subject, wanted } => {
-                let of_subject = self.intervals_of(subject, &self.narrowed(all));
-                let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
-                let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
-                Outlook {
-                    nats: None,
-                    settled: ratio.min(1.0),
-                    wrongly: 0.0,
-                    evidence: ratio * ratio,
-                    free: 1.0,
-                    interval,
-                }
-            }
+        let ways = [(one, other), (other, one)].map(|(truth, rival)| {
+            self.apart(&truth.truth, &rival.rival, &planned.moments, Some(problem.total()))
+        });
+        let nats = ways[0].nats.min(ways[1].nats);
+        let [settled, wrongly] = decided(nats, problem.blocks());
+        let free = ways[0].free.min(ways[1].free);
+        Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
+    }
+
+    fn of_indicated(&self, [with, without]: &[Explanation; 2], all: &[Vec<Moments>; 2]) -> Outlook {
+        let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
+        let [settled, wrongly] = claimed(nats, self.investigation.problem.blocks());
+        Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
+    }
+
+    fn of_wide(&self, subject: &Subject, wanted: &DeviationGoal, all: &[Vec<Moments>; 2]) -> Outlook {
+        let of_subject = self.intervals_of(subject, &self.narrowed(all));
+        let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
+        let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
+        Outlook {
+            nats: None,
+            settled: ratio.min(1.0),
+            wrongly: 0.0,
+            evidence: ratio * ratio,
+            free: 1.0,
+            interval,
         }
     }
 
@@ -125,8 +121,8 @@ impl Discrimination<'_> {
         Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    /// How far the rival's torque stays from that of the truth over some moments, whatever coefficients it takes that the present
-    /// recordings, if they are not among these, allow.
+    /// The distance of the rival's torque from that of the truth over some moments, with the coefficients that bring it nearest. Present
+    /// recordings that are not among the moments hold these coefficients.
     fn apart(
         &self,
         truth: &ModelFit,

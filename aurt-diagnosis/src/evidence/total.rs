@@ -34,8 +34,8 @@ impl Problem {
         TotalFit { coefficients, variance, squared_errors }
     }
 
-    /// The weight of each joint's rows: one over the variance that a fit leaves, which is no less than the floor and than what
-    /// rounding makes of the measurement. Rows without a measurement that moves say nothing.
+    /// The weight of each joint's rows: one over the variance that a fit leaves, at least the floor and the rounding error of the
+    /// measurement; zero for a joint whose measurement is zero throughout.
     pub(crate) fn weights(&self, squared_errors: &[Vec<f64>; 2], floor: &[f64]) -> Vec<f64> {
         let sum = |of: &dyn Fn(usize) -> f64| of(0) + of(1);
         let weight = |j: usize| {

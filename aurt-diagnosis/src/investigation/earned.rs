@@ -61,15 +61,14 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     loop {
         let trial = Trial::new(question, investigation, reach_m);
         let most = trial.largest_by_chance(question.selection.level);
-        let fails = trial.all_fails(question, most);
+        let mut fails = trial.all_fails(question, most);
         let Some(worst) = trial.worst(&fails, most) else {
             investigation.stability = (0..fails.len()).map(|i| trial.stability(i)).collect();
             break;
         };
         drop(trial);
         let chosen = investigation.selection.chosen.remove(worst);
-        let fails = fails.into_iter().nth(worst).unwrap_or_default();
-        indicated.push(Indicated { chosen, fails });
+        indicated.push(Indicated { chosen, fails: fails.swap_remove(worst) });
         investigation.confirm_chosen(question);
     }
     indicated.sort_by(|a, b| b.chosen.score.total_cmp(&a.chosen.score));

@@ -38,7 +38,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
         format!(
-            "{} on {joint}: half a play of {} rad predicts the residual of the rigid model",
+            "{} on {joint}: a play of ± ({}) rad predicts the residual of the rigid model",
             shaking.effect.title,
             sized(shaking.gap_rad)
         )

@@ -87,7 +87,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
     effects.splice(0..0, shaking.into_iter().chain(touched));
-    // What has changed comes first, as in the headline.
+    // Changes come first, as in the headline.
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
     let something = residual.iter().any(|r| r.structure_left && !apart.contains(&r.joint));
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors, something);
