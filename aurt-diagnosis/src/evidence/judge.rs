@@ -8,7 +8,7 @@ use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
-use crate::recordings::rows::{Layout, RecordingRows};
+use crate::recordings::rows::{Layout, RecordingRows, mean_rate_hz};
 use crate::request::SelectionOptions;
 
 /// What was selected, on the rows that it was selected from.
@@ -73,38 +73,80 @@ impl Judge<'_> {
 
     /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
     /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
-    /// could as well have the other sign. None where there are too few pieces to tell.
-    pub(crate) fn p_confirm(&self, confirm: &ConfirmRows, all: &[Switch], group: &Group) -> Option<f64> {
+    /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: each has the same
+    /// share of the energy of their difference, since where the group does nothing its rows say nothing, and is at least as long
+    /// as rows have to be apart to be independent. None where there are too few pieces to tell.
+    pub(crate) fn p_confirm(
+        &self,
+        confirm: &ConfirmRows,
+        all: &[Switch],
+        group: &Group,
+        apart_s: f64,
+    ) -> Option<f64> {
         let rest: Vec<Switch> = all.iter().filter(|s| !group.switches.contains(s)).copied().collect();
         let [with, without] =
             [all, &rest].map(|s| (s, weighted_fit(self.problem, s, self.floor).0.coefficients));
-        let mut errors: Vec<[Vec<f64>; 2]> = Vec::new();
+        let errors: Vec<Errors> = confirm
+            .to_judge()
+            .iter()
+            .map(|rows| [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta)))
+            .collect();
         let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
-        let length = (rows / PIECES).max(1);
-        for recording in confirm.to_judge() {
-            let left = [&with, &without].map(|(s, beta)| residuals(recording, self.layout, s, beta));
-            for piece in 0..recording.rows() / length {
-                let span = piece * length..(piece + 1) * length;
-                errors.push(left.each_ref().map(|left| {
-                    left.iter().map(|joint| joint[span.clone()].iter().map(|e| e * e).sum()).collect()
-                }));
-            }
-        }
-        if errors.len() < FEWEST_PIECES {
+        let shortest = (apart_s * mean_rate_hz(confirm.to_judge())).ceil().max(1.0) as usize;
+        if rows < FEWEST_PIECES * shortest {
             return None;
         }
-        let joints = self.floor.len();
         let level = |j: usize| {
-            let mean = errors.iter().map(|e| e[0][j]).sum::<f64>() / (errors.len() * length) as f64;
-            mean.max(self.floor[j]).max(f64::MIN_POSITIVE)
+            let left = errors.iter().flat_map(|e| &e[0][j]);
+            (left.map(|e| e * e).sum::<f64>() / rows as f64).max(self.floor[j]).max(f64::MIN_POSITIVE)
         };
-        let levels: Vec<f64> = (0..joints).map(level).collect();
-        let difference = |e: &[Vec<f64>; 2]| (0..joints).map(|j| (e[1][j] - e[0][j]) / levels[j]).sum();
-        Some(by_sign(&errors.iter().map(difference).collect::<Vec<f64>>()))
+        let levels: Vec<f64> = (0..self.floor.len()).map(level).collect();
+        let compared = errors.iter().zip(confirm.to_judge());
+        let compared = compared.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Compared::new(e, row, &levels)));
+        Some(by_sign(&pieces(&compared.collect::<Vec<_>>(), shortest)))
     }
 }
 
-/// Held-out rows are compared in about so many pieces: 2¹⁰ ways to give them signs.
+/// Errors of a recording, with a group and without, `[joint][row]`.
+type Errors = [Vec<Vec<f64>>; 2];
+
+/// One row under two models, summed over joints in units of what the model leaves.
+#[derive(Debug, Clone, Copy)]
+struct Compared {
+    /// By how much the squared error is larger without the group.
+    difference: f64,
+    /// The square of the difference of predictions.
+    energy: f64,
+}
+
+impl Compared {
+    fn new([with, without]: &Errors, row: usize, levels: &[f64]) -> Self {
+        let mut sums = Self { difference: 0.0, energy: 0.0 };
+        for (j, level) in levels.iter().enumerate() {
+            let (a, b) = (with[j][row], without[j][row]);
+            sums.difference += (b * b - a * a) / level;
+            sums.energy += (b - a).powi(2) / level;
+        }
+        sums
+    }
+}
+
+/// Differences of the pieces of at least some rows between which the energy is shared.
+fn pieces(rows: &[Compared], shortest: usize) -> Vec<f64> {
+    let total: f64 = rows.iter().map(|r| r.energy).sum();
+    let (mut pieces, mut begin, mut energy, mut next) = (Vec::new(), 0, 0.0, 1.0);
+    for (k, row) in rows.iter().enumerate() {
+        energy += row.energy * PIECES as f64;
+        let cuts = energy >= next * total && k + 1 - begin >= shortest && rows.len() - k > shortest;
+        if cuts || k + 1 == rows.len() {
+            pieces.push(rows[begin..=k].iter().map(|r| r.difference).sum());
+            (begin, next) = (k + 1, (energy / total).floor() + 1.0);
+        }
+    }
+    pieces
+}
+
+/// Held-out rows are compared in at most so many pieces: 2¹⁰ ways to give them signs.
 const PIECES: usize = 10;
 /// With fewer no probability is below one in fifty.
 const FEWEST_PIECES: usize = 6;
@@ -138,6 +180,19 @@ mod tests {
     fn differences_of_one_sign_are_no_chance() {
         assert_eq!(by_sign(&[1.0, 2.0, 0.5, 1.0, 3.0, 0.1]), 1.0 / 64.0);
         assert!(by_sign(&[1.0, -1.2, 0.5, -0.4, 0.1, -0.3]) > 0.3);
+    }
+
+    /// A burst in one tenth of the rows, and what moves the rest of the time.
+    #[test]
+    fn pieces_share_the_energy_and_are_long_enough() {
+        let row = |k: usize| Compared { difference: 1.0, energy: if k < 100 { 1.0 } else { 1e-3 } };
+        let rows: Vec<Compared> = (0..1000).map(row).collect();
+        let lengths = pieces(&rows, 4);
+        assert_eq!(lengths.len(), PIECES);
+        assert_eq!(lengths.iter().sum::<f64>(), 1000.0);
+        assert!(lengths[..9].iter().all(|l| (10.0..=11.0).contains(l)), "{lengths:?}");
+        let lengths = pieces(&rows, 40);
+        assert!(lengths.iter().all(|l| *l >= 40.0) && lengths.len() < PIECES, "{lengths:?}");
     }
 
     #[test]

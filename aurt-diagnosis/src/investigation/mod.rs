@@ -144,8 +144,9 @@ impl Investigation {
         let switches = self.switches();
         let Self { selection, confirm, groups, layout, partition, problem, rows, floor, .. } = self;
         let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
+        let apart_s = GAP_PERIODS / question.f_dyn_hz;
         for chosen in &mut selection.chosen {
-            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group]);
+            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group], apart_s);
         }
     }
 
