@@ -2,6 +2,7 @@
 
 use std::{io::BufRead, path::PathBuf};
 
+use aurt_diagnosis::Role;
 use aurt_experiment::doctor::{
     first_experiment::{Known, draft},
     mistakes::Examination,
@@ -20,7 +21,7 @@ use crate::{
 
 /// Write an experiment for a robot and its logs.
 ///
-/// Splits the recordings into calibration and validation, suggests f_dyn, tries common mistakes against the
+/// Splits the recordings into calibration and validation unless `--validation` names some, suggests f_dyn, tries common mistakes against the
 /// data, and writes every guess as a comment into the file. On a terminal it asks for what is missing.
 #[derive(Debug, Args)]
 #[command(
@@ -31,6 +32,12 @@ pub struct Init {
     /// The recordings
     #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
+    /// Recordings in which something may have changed, for `aurt diagnose`
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    target: Vec<PathBuf>,
+    /// Recordings that are held out; without, those of the least motion are
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    validation: Vec<PathBuf>,
     /// The robot: a name that `aurt robots` lists, a .urdf, or a table of modified Denavit–Hartenberg parameters (.csv)
     #[arg(long, value_name = "NAME|FILE")]
     robot: Option<String>,
@@ -69,7 +76,15 @@ impl Init {
                 remedy: "name another file, or remove that one: experiments are not overwritten".into(),
             });
         }
-        let inputs: Vec<&std::path::Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        let recordings: Vec<(&PathBuf, Option<Role>)> = [
+            (&self.recordings, None),
+            (&self.target, Some(Role::Target)),
+            (&self.validation, Some(Role::Validation)),
+        ]
+        .into_iter()
+        .flat_map(|(files, role)| files.iter().map(move |file| (file, role)))
+        .collect();
+        let inputs: Vec<&std::path::Path> = recordings.iter().map(|(file, _)| file.as_path()).collect();
         let out = OutputFile::new("--out", &self.out, &inputs)?;
         let known = Known {
             robot: self.robot()?,
@@ -82,7 +97,7 @@ impl Init {
             },
             gravity_m_s2: self.gravity()?.map(|Gravity(g)| g),
             torque_constants_nm_per_a: self.torque_constants.as_ref().map(|Constants(k)| k.clone()),
-            recordings: self.recordings.iter().map(|f| self.reading.source(f)).collect(),
+            recordings: recordings.iter().map(|(file, role)| (self.reading.source(file), *role)).collect(),
         };
         let draft = draft(&known, &self.out, &mut session.registry)?;
         out.write(draft.text.as_bytes())?;
@@ -91,7 +106,13 @@ impl Init {
         if let Some(examination) = &draft.examination {
             text.push_str(&examination.to_text(session.terminal.style()));
         }
-        text.push_str(&format!("\nnext\n  aurt run {} --out results\n", out.path().display()));
+        let command = if self.target.is_empty() { ("run", "results") } else { ("diagnose", "diagnosis") };
+        text.push_str(&format!(
+            "\nnext\n  aurt {} {} --out {}\n",
+            command.0,
+            out.path().display(),
+            command.1
+        ));
         let json = json!({
             "command": "init",
             "outputs": [out.path()],

@@ -38,6 +38,20 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     folder.aurt(init(&LOGS, &[])).refused(&["experiment.toml exists", "experiments are not overwritten"]);
 }
 
+#[test]
+fn targets_and_held_out_recordings_are_named() {
+    let folder = Folder::new().with_demo(&["mdh.csv", LOGS[0], LOGS[1], "later_motion.csv"]);
+    let more = [&CONSTANTS[..], &["--target", "later_motion.csv", "--validation", LOGS[1]]].concat();
+    let said = folder.aurt(init(&[LOGS[0]], &more)).succeeded().stdout();
+    assert!(said.contains("aurt diagnose experiment.toml") && !said.contains("held out"), "{said}");
+    let text = folder.read("experiment.toml");
+    let (calibration, rest) = text.split_once("[recordings]").unwrap().1.split_once("target = [").unwrap();
+    let (target, validation) = rest.split_once("validation = [").unwrap();
+    assert!(calibration.contains(LOGS[0]) && target.contains("later_motion.csv"), "{text}");
+    assert!(validation.contains(LOGS[1]), "{text}");
+    assert!(!text.contains("window_s"), "{text}");
+}
+
 /// `init` prints the error of the experiment that it writes, which has no rotors; its search for mistakes adds them.
 #[test]
 fn the_printed_error_is_that_of_the_experiment() {

@@ -73,15 +73,15 @@ impl Judge<'_> {
 
     /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
     /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
-    /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: each has the same
-    /// share of the energy of their difference, since where the group does nothing its rows say nothing, and is at least as long
-    /// as rows have to be apart to be independent. None where there are too few pieces to tell.
+    /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: they have equal
+    /// sums of their shares of the rows and of the energy of the difference, since where the group does little its rows say
+    /// little, and last `shortest_s` or longer. None where there are too few pieces to tell.
     pub(crate) fn p_confirm(
         &self,
         confirm: &ConfirmRows,
         all: &[Switch],
         group: &Group,
-        apart_s: f64,
+        shortest_s: f64,
     ) -> Option<f64> {
         let rest: Vec<Switch> = all.iter().filter(|s| !group.switches.contains(s)).copied().collect();
         let [with, without] =
@@ -92,7 +92,7 @@ impl Judge<'_> {
             .map(|rows| [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta)))
             .collect();
         let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
-        let shortest = (apart_s * mean_rate_hz(confirm.to_judge())).ceil().max(1.0) as usize;
+        let shortest = (shortest_s * mean_rate_hz(confirm.to_judge())).ceil().max(1.0) as usize;
         if rows < FEWEST_PIECES * shortest {
             return None;
         }
@@ -102,7 +102,8 @@ impl Judge<'_> {
         };
         let levels: Vec<f64> = (0..self.floor.len()).map(level).collect();
         let compared = errors.iter().zip(confirm.to_judge());
-        let compared = compared.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Compared::new(e, row, &levels)));
+        let compared =
+            compared.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Compared::new(e, row, &levels)));
         Some(by_sign(&pieces(&compared.collect::<Vec<_>>(), shortest)))
     }
 }
@@ -131,16 +132,18 @@ impl Compared {
     }
 }
 
-/// Differences of the pieces of at least some rows between which the energy is shared.
+/// Differences of pieces of at least some rows, with equal sums of their shares of the rows and of the energy.
 fn pieces(rows: &[Compared], shortest: usize) -> Vec<f64> {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
-    let (mut pieces, mut begin, mut energy, mut next) = (Vec::new(), 0, 0.0, 1.0);
+    let share = |row: &Compared| row.energy / total.max(f64::MIN_POSITIVE) + 1.0 / rows.len() as f64;
+    let all: f64 = rows.iter().map(share).sum();
+    let (mut pieces, mut begin, mut sum) = (Vec::new(), 0, 0.0);
     for (k, row) in rows.iter().enumerate() {
-        energy += row.energy * PIECES as f64;
-        let cuts = energy >= next * total && k + 1 - begin >= shortest && rows.len() - k > shortest;
-        if cuts || k + 1 == rows.len() {
+        sum += share(row);
+        let cuts = sum * PIECES as f64 >= all * (pieces.len() + 1) as f64;
+        if cuts && k + 1 - begin >= shortest && rows.len() - k > shortest || k + 1 == rows.len() {
             pieces.push(rows[begin..=k].iter().map(|r| r.difference).sum());
-            (begin, next) = (k + 1, (energy / total).floor() + 1.0);
+            begin = k + 1;
         }
     }
     pieces
@@ -182,17 +185,20 @@ mod tests {
         assert!(by_sign(&[1.0, -1.2, 0.5, -0.4, 0.1, -0.3]) > 0.3);
     }
 
-    /// A burst in one tenth of the rows, and what moves the rest of the time.
+    /// All energy in one tenth of the rows: half of the pieces are there, unless they became too short.
     #[test]
-    fn pieces_share_the_energy_and_are_long_enough() {
-        let row = |k: usize| Compared { difference: 1.0, energy: if k < 100 { 1.0 } else { 1e-3 } };
+    fn pieces_are_where_the_energy_is() {
+        let row = |k: usize| Compared { difference: 1.0, energy: f64::from(u8::from(k < 100)) };
         let rows: Vec<Compared> = (0..1000).map(row).collect();
         let lengths = pieces(&rows, 4);
         assert_eq!(lengths.len(), PIECES);
         assert_eq!(lengths.iter().sum::<f64>(), 1000.0);
-        assert!(lengths[..9].iter().all(|l| (10.0..=11.0).contains(l)), "{lengths:?}");
+        assert!(lengths[..5].iter().all(|l| (18.0..=19.0).contains(l)), "{lengths:?}");
+        assert!(lengths[6..].iter().all(|l| (190.0..=210.0).contains(l)), "{lengths:?}");
         let lengths = pieces(&rows, 40);
-        assert!(lengths.iter().all(|l| *l >= 40.0) && lengths.len() < PIECES, "{lengths:?}");
+        assert!(lengths.iter().all(|l| *l >= 40.0) && lengths.len() <= PIECES, "{lengths:?}");
+        let still = [Compared { difference: 1.0, energy: 0.0 }; 50];
+        assert_eq!(pieces(&still, 1), [5.0; 10]);
     }
 
     #[test]

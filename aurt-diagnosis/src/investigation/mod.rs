@@ -144,9 +144,10 @@ impl Investigation {
         let switches = self.switches();
         let Self { selection, confirm, groups, layout, partition, problem, rows, floor, .. } = self;
         let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
-        let apart_s = GAP_PERIODS / question.f_dyn_hz;
+        // Four independent samples of white noise behind the parallel filter.
+        let shortest_s = 1.0 / question.f_dyn_hz;
         for chosen in &mut selection.chosen {
-            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group], apart_s);
+            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group], shortest_s);
         }
     }
 

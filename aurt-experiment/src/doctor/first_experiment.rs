@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use crate::Experiment;
 use crate::workbench::failure::Failure;
 use aurt::{
-    Error, Role,
+    Error,
     data::{Loaded, Preprocessing, Purpose, Source},
     duplicates::{SampleRegister, UsedSeries},
 };
+use aurt_diagnosis::Role;
 use aurt_files::escaped;
 use aurt_plugins::Registry;
 use aurt_rbd::robots::{DescribedRobot, Part, known_robot};
@@ -48,8 +49,8 @@ pub struct Known {
     pub gravity_m_s2: Option<[f64; 3]>,
     /// Torque constants, if they are known.
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
-    /// The recordings.
-    pub recordings: Vec<Source>,
+    /// The recordings, each with its role if that is known.
+    pub recordings: Vec<(Source, Option<Role>)>,
 }
 
 /// An experiment that was drafted.
@@ -74,6 +75,8 @@ struct Arm {
 struct Looked {
     inspected: Inspected,
     unit_was_guessed: bool,
+    /// Its role, if that is known.
+    role: Option<Role>,
 }
 
 /// Drafts an experiment that is to lie at `path`, and corrects it where the recordings say that it is wrong.
@@ -85,8 +88,8 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let mut guesses = Vec::new();
     let mut looked: Vec<Looked> = Vec::new();
     let mut register = SampleRegister::default();
-    for source in &known.recordings {
-        let one = look(source, &arm.joints)?;
+    for (source, role) in &known.recordings {
+        let one = look(source, *role, &arm.joints)?;
         guesses.extend(one.inspected.loaded.warnings().map(|w| format!("warning: {w}")));
         guesses.extend(
             one.inspected.stamps.map(|stamps| format!("{}: {stamps}, as was done here", source.label)),
@@ -196,7 +199,7 @@ fn of(described: &DescribedRobot) -> RobotJoints {
 
 /// `topic` and `joint_names`, as they were given; the names that the recordings have, where the robot has none.
 fn bag_keys(known: &Known, arm: &Arm, looked: &[Looked], guesses: &mut Vec<String>) -> String {
-    let given = known.recordings.first().map(|source| &source.recorded);
+    let given = known.recordings.first().map(|(source, _)| &source.recorded);
     let mut keys = String::new();
     if let Some(topic) = given.and_then(|g| g.topic.as_ref()) {
         keys.push_str(&format!("topic = {}\n", quoted(topic)));
@@ -224,7 +227,7 @@ fn bag_keys(known: &Known, arm: &Arm, looked: &[Looked], guesses: &mut Vec<Strin
 }
 
 /// Reads a recording; where it has currents and torques, the currents.
-fn look(source: &Source, joints: &RobotJoints) -> Result<Looked, Failure> {
+fn look(source: &Source, role: Option<Role>, joints: &RobotJoints) -> Result<Looked, Failure> {
     let read = |unit| {
         let source = Source { unit, ..source.clone() };
         Reading::of(source, |source| Loaded::read(source, Some(joints), Purpose::Calibration))
@@ -242,27 +245,31 @@ fn look(source: &Source, joints: &RobotJoints) -> Result<Looked, Failure> {
         trim_rest: false,
         ..Preprocessing::new(HIGHEST_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * rate_hz))
     };
-    Ok(Looked { inspected: Inspected::new(reading, &preprocessing)?, unit_was_guessed })
+    Ok(Looked { inspected: Inspected::new(reading, &preprocessing)?, unit_was_guessed, role })
 }
 
-/// What moves more calibrates; at least one recording is held out where there are two.
+/// The roles of recordings. Where none is known to validate, those without a role are split: what moves more calibrates, and at
+/// least one is held out where there are two.
 fn split(looked: &[Looked], guesses: &mut Vec<String>) -> Vec<Role> {
     let motion = |l: &Looked| {
         let joints = &l.inspected.joints;
         let moving = joints.iter().map(|j| j.moving_share).sum::<f64>() / joints.len().max(1) as f64;
         moving * l.inspected.loaded.recording.duration_s()
     };
-    let mut by_motion: Vec<usize> = (0..looked.len()).collect();
-    by_motion.sort_by(|a, b| motion(&looked[*a]).total_cmp(&motion(&looked[*b])));
-    let held_out =
-        if looked.len() < 2 { 0 } else { looked.len().div_ceil(ONE_HELD_OUT_OF).min(looked.len() - 1) };
-    let mut roles = vec![Role::Calibration; looked.len()];
-    by_motion.iter().take(held_out).for_each(|k| roles[*k] = Role::Validation);
-    guesses.push(if held_out == 0 {
-        "one recording: its beginning calibrates, its end validates".into()
-    } else {
-        format!("{held_out} of {} recordings, those with the least motion, are held out", looked.len())
-    });
+    let mut roles: Vec<Role> = looked.iter().map(|l| l.role.unwrap_or(Role::Calibration)).collect();
+    if roles.contains(&Role::Validation) {
+        return roles;
+    }
+    let mut open: Vec<usize> = (0..looked.len()).filter(|k| looked[*k].role.is_none()).collect();
+    open.sort_by(|a, b| motion(&looked[*a]).total_cmp(&motion(&looked[*b])));
+    let held_out = if open.len() < 2 { 0 } else { open.len().div_ceil(ONE_HELD_OUT_OF).min(open.len() - 1) };
+    open.iter().take(held_out).for_each(|k| roles[*k] = Role::Validation);
+    if held_out > 0 {
+        let count = open.len();
+        guesses.push(format!("{held_out} of {count} recordings, those with the least motion, are held out"));
+    } else if looked.len() == 1 {
+        guesses.push("one recording: its beginning calibrates, its end validates".into());
+    }
     roles
 }
 
@@ -301,7 +308,7 @@ fn text(
          viscous = { model = \"polynomial\", powers = [1] }\n\n[recordings]\n",
     );
     text.push_str(bag_keys);
-    for role in [Role::Calibration, Role::Validation] {
+    for role in [Role::Calibration, Role::Target, Role::Validation] {
         let entries = entries(looked, roles, role, path);
         if !entries.is_empty() {
             text.push_str(&format!("{} = [\n{entries}]\n", role.name()));
