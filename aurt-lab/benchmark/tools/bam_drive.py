@@ -84,6 +84,8 @@ def solve(case: DriveCase) -> Result:
         actuator = spec.actuator(name)
         actuator.set_to_motor()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # MuJoCo's reset of a simulation that diverges would set its time to zero again, without end.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     motions = [stretch(motion(case, part), k) for k, part in enumerate(case.calibration)]
     _, model = min((fit(name, spec, setting.joints, motions) for name in MODELS), key=lambda found: found[0])
     held_out = [motion(case, part) for part in case.held_out]

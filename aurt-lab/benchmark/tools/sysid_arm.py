@@ -2,7 +2,8 @@
 
 Rollouts driven by measured torques diverge within tenths of a second, so the residual is that of inverse dynamics, each joint over
 its own rms. Per link ten inertial parameters as a pseudo-inertia; per joint damping, friction loss and armature; a load is a body on the
-last link of a second description with the same parameters, a coupled wrist a fixed tendon.
+last link of a second description with the same parameters, a coupled wrist a fixed tendon. Start and bounds suit torques to USUAL_NM;
+those of larger arms are solved in a larger unit, since masses and friction are linear in the torque.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from result import Result
 from signals import MOVING_RAD_S, Rows, decimation, rows
 from tools.sysid_drive import optimized
 
-ITERATIONS = 30
+ITERATIONS, USUAL_NM = 30, 100.0
 
 
 def quaternion(alpha: float, theta: float) -> np.ndarray:
@@ -117,13 +118,14 @@ def solve(case: ArmCase) -> Result:
     parts = [rows(case, part) for part in case.calibration]
     chosen = [np.flatnonzero(r.inside)[:: decimation(case)] for r in parts]
     scale = np.concatenate([r.filtered[k] for r, k in zip(parts, chosen, strict=True)]).std(axis=0)
+    unit = max(1.0, scale.max() / USUAL_NM)
 
     def residual(x, params):
         columns = []
         for column in x.reshape(len(x), -1).T:
             params.update_from_vector(column)
             models = {loaded: sysid.apply_param_modifiers(params, spec) for loaded, spec in specs.items()}
-            left = [difference(models[r.part.loaded], r, k, scale) for r, k in zip(parts, chosen, strict=True)]
+            left = [difference(models[r.part.loaded], r, k, unit, scale) for r, k in zip(parts, chosen, strict=True)]
             columns.append(np.concatenate(left).ravel())
         found = np.array(columns).T
         return [found if x.ndim > 1 else found[:, 0]], None, None
@@ -132,15 +134,16 @@ def solve(case: ArmCase) -> Result:
     best = optimized(start, residual, ITERATIONS)
     models = {loaded: sysid.apply_param_modifiers(best, spec) for loaded, spec in specs.items()}
     held_out = [rows(case, part) for part in case.held_out]
-    predictions = [torques(models[r.part.loaded], r.q, r.qd, r.qdd) for r in held_out]
-    return Result(values(case, best, models[True]), predictions)
+    predictions = [unit * torques(models[r.part.loaded], r.q, r.qd, r.qdd) for r in held_out]
+    found = {name: unit * value for name, value in values(case, best, models[True]).items()}
+    return Result(found, predictions)
 
 
-def difference(model, recording: Rows, chosen: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def difference(model, recording: Rows, chosen: np.ndarray, unit: float, scale: np.ndarray) -> np.ndarray:
     """Predicted less measured torques of moving joints over their scale; both are smooth at 2 f_dyn."""
     q, qd, qdd = recording.q[chosen], recording.qd[chosen], recording.qdd[chosen]
     moving = np.abs(qd) > MOVING_RAD_S
-    return moving * (torques(model, q, qd, qdd) - recording.filtered[chosen]) / scale
+    return moving * (unit * torques(model, q, qd, qdd) - recording.filtered[chosen]) / scale
 
 
 def values(case: ArmCase, best, model) -> dict[str, float]:
