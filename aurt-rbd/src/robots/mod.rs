@@ -114,7 +114,11 @@ pub fn parse_part(
     parse_part_with(text, path, base, part, None)
 }
 
-fn parse_part_with(
+/// As [`read_part_with`], from text; `path` is what errors call it.
+///
+/// # Errors
+/// As [`read_part_with`].
+pub fn parse_part_with(
     text: &str,
     path: impl AsRef<Path>,
     base: Option<&str>,
