@@ -145,6 +145,11 @@ impl ParameterFile {
         self.of(&OF_DRIVES).map(|(p, ..)| p.name.as_str())
     }
 
+    /// The names of the parameters of bodies.
+    pub fn of_bodies(&self) -> impl Iterator<Item = &str> {
+        self.of(&OF_BODIES).map(|(p, ..)| p.name.as_str())
+    }
+
     /// The number of a quantity of a joint, or else of all, and the name of the parameter.
     #[must_use]
     pub fn value(&self, joint: &str, quantity: &str) -> Option<(f64, &str)> {
