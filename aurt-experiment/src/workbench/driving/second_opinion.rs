@@ -117,8 +117,8 @@ pub fn second_opinion(
     let doubts = doubts_of(&recordings);
     notes.extend(fit.lost.iter().chain(&more_lost).map(|lost| format!("{}: {lost}", fit.kind)));
     notes.extend(own.undetermined.iter().map(|open| format!("the own model: {open}")));
-    let zeros = if fit.has_zeros { "" } else { "zeros of the joints, " };
-    notes.push(format!("links, stops, loads, {zeros}and the floor are those of the experiment"));
+    let zeros = if fit.has_zeros { "" } else { ", zeros of the joints" };
+    notes.push(format!("links, stops, loads{zeros} and the floor are those of the experiment"));
     let said = Said {
         kind: fit.kind,
         held_out: [
