@@ -451,7 +451,7 @@ mod tests {
         assert_eq!((hip.static_nm, hip.position_offset_rad), (0.0, -0.02));
         for (more, said) in [
             (r#""joint_order": ["hip"], "mean": [1, 2]"#, "has 2 numbers, and 1 joints have 5"),
-            (r#""joint_order": ["hip"], "mean": [1, 2, 3, 4, 0]"#, "`armature` has no number for joint 1"),
+            (r#""joint_order": ["hip"], "mean": [1, 2, 3, 4, 0]"#, "has no number for joint 1"),
             (r#""mean": [1, 2]"#, "no list of numbers and list of names"),
         ] {
             let refused = of(more).err().unwrap();
