@@ -46,7 +46,7 @@ pub struct Diagnose {
     out: PathBuf,
     /// Take a model as given instead of recalibrating the experiment's structure: a calibrated one, or the inertial
     /// parameters, friction and rotors that a URDF or MJCF file states. With `[drive]`, a fit of another program is tested:
-    /// an MJCF file with actuators, BAM's JSON, or settings of Isaac Lab's actuators as JSON
+    /// an MJCF file with actuators, BAM's JSON, or settings of Isaac Lab's actuators or PACE's result as JSON
     #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,
     /// The link of the URDF or MJCF file that the chain starts from
@@ -55,6 +55,9 @@ pub struct Diagnose {
     /// The link of the URDF or MJCF file that the chain ends at
     #[arg(long, value_name = "LINK", requires = "model")]
     tip: Option<String>,
+    /// Correct the URDF or MJCF file of --model by what mujoco.sysid identified: its params_x_hat.yaml
+    #[arg(long, value_name = "PARAMS.yaml", requires = "model")]
+    parameters: Option<PathBuf>,
     /// Exclude an effect from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -90,6 +93,7 @@ impl Diagnose {
             model: None,
             base: None,
             tip: None,
+            parameters: None,
             without: Vec::new(),
             only: Vec::new(),
             learnt: None,
@@ -113,7 +117,8 @@ impl Diagnose {
             return self.drives(&experiment, &folder, &terminal.progress(48));
         }
         let ends = ChainEnds { base: self.base.as_deref(), tip: self.tip.as_deref() };
-        let given = self.model.as_deref().map(|p| GivenModel::read(p, ends, &experiment, registry));
+        let read = |model| GivenModel::read(model, ends, self.parameters.as_deref(), &experiment, registry);
+        let given = self.model.as_deref().map(read);
         let given = given.transpose()?;
         let notes = given.as_ref().map_or_else(Vec::new, |given| given.notes.clone());
         let improve_for = (!self.verdict_only).then(|| folder.path().to_owned());
@@ -201,7 +206,11 @@ impl Diagnose {
                 let reason = "chooses structures, and with `--model` the fit is judged as it is".into();
                 return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
             }
-            return write_drives("diagnose", second_opinion(experiment, file, progress)?, folder);
+            return write_drives(
+                "diagnose",
+                second_opinion(experiment, file, self.parameters.as_deref(), progress)?,
+                folder,
+            );
         }
         let known: Vec<&str> = STRUCTURES.iter().map(|s| s.id).collect();
         let without = self.left_out(&known, "structure")?;

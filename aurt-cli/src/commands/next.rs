@@ -114,8 +114,8 @@ impl NextMotion {
         self.check()?;
         self.rate_hz.map_or(Ok(()), |rate_hz| out.check_rate_hz(rate_hz))?;
         let experiment = Experiment::read(&self.experiment, registry)?;
-        let given =
-            self.model.as_deref().map(|p| GivenModel::read(p, ChainEnds::default(), &experiment, registry));
+        let read = |model| GivenModel::read(model, ChainEnds::default(), None, &experiment, registry);
+        let given = self.model.as_deref().map(read);
         let joints = experiment.robot.robot_joints().count;
         let options = NextOptions {
             diagnosis: DiagnosisOptions {
@@ -168,10 +168,6 @@ impl NextMotion {
         }
         if !(1..=MOST.1).contains(&self.tries) {
             return refuse("--tries", format!("{} motions cannot be tried", self.tries), "give 1 to 1000");
-        }
-        if !PlannedOutput::knows(&self.out) {
-            let reason = format!("{} has none of the known endings", self.out.display());
-            return refuse("--out", reason, &format!("name it {}", PlannedOutput::ENDINGS));
         }
         Ok(())
     }

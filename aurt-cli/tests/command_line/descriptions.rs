@@ -96,8 +96,14 @@ fn mjcf(robot: &Robot) -> String {
 
 /// The effects of a diagnosis of a description, each with its joints, and the verdict.
 fn lack(folder: &Folder, file: &str) -> (Vec<(String, Value)>, Value) {
+    corrected(folder, file, &[])
+}
+
+/// As [`lack`], with more options.
+fn corrected(folder: &Folder, file: &str, more: &[&str]) -> (Vec<(String, Value)>, Value) {
     let out = format!("{file}.out");
-    let run = folder.aurt(["diagnose", "experiment.toml", "--model", file, "--out", &out, "--quiet"]);
+    let run = ["diagnose", "experiment.toml", "--model", file, "--out", &out, "--quiet"];
+    let run = folder.aurt([&run[..], more].concat());
     assert!(matches!(run.status(), 0 | 1), "{}", run.stderr());
     let verdict = folder.json(&format!("{out}/verdict.json"));
     let effects = verdict["effects"].as_array().unwrap();
@@ -141,6 +147,21 @@ fn a_description_without_friction_lacks_friction_and_one_with_all_lacks_nothing(
     let first = &verdict["effects"][0]["parameters"];
     let mass = first["mass_kg"]["value"].as_f64().unwrap();
     assert!((mass - 2.0).abs() < 0.4, "{first}");
+
+    // What mujoco.sysid identified of that body corrects the file.
+    let parameters = format!(
+        "link_2_mass:\n  value:\n  - {}\ncommand_delay:\n  value: [0.01]\n",
+        robot.links[2].mass_kg + 2.0
+    );
+    folder.write("params.yaml", &parameters);
+    let (effects, verdict) = corrected(&folder, "light.xml", &["--parameters", "params.yaml"]);
+    assert_eq!((&verdict["verdict"], effects.len()), (&json!("no_mismatch"), 0), "{verdict}");
+    let options = ["diagnose", "experiment.toml", "--model", "light.xml", "--out", "out", "--parameters"];
+    let run = folder.aurt([&options[..], &["params.yaml", "--json"]].concat());
+    let notes = serde_json::from_str::<Value>(&run.stdout()).unwrap()["notes"].to_string();
+    assert!(notes.contains("no model of torques") && notes.contains("command_delay"), "{notes}");
+    folder.write("wrong.yaml", "hand_mass:\n  value:\n  - 1.0\n");
+    folder.aurt([&options[..], &["wrong.yaml"]].concat()).refused(&["wrong.yaml:1", "`hand`", "link_2"]);
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn read(folder: &Folder, name: &str) -> Recording {
 /// The motion as it is planned, in every format.
 fn written() -> (Folder, aurt_recording::PlannedMotion) {
     let folder = Folder::new();
-    for name in ["motion.csv", "motion.yaml", "motion.mcap", "motion.lerobot"] {
+    for name in ["motion.csv", "motion.yaml", "motion.script", "motion.mcap", "motion.lerobot"] {
         folder.aurt(format!("{PLANNED} --out {name}").split(' ')).succeeded();
     }
     let motion = Motion::Sweeps { duration_s: 12.0, share: 0.8 };
@@ -53,6 +53,18 @@ fn a_data_set_is_replaced_but_no_other_one() {
 }
 
 #[test]
+fn a_motion_has_a_known_ending_or_none() {
+    let folder = Folder::new();
+    for name in ["motion.cvs", "motion.CSV", "motion.json"] {
+        let words = ["--out", name, ".csv, .yaml, .script, .mcap or .lerobot"];
+        folder.aurt(format!("{PLANNED} --out {name}").split(' ')).refused(&words);
+    }
+    assert!(folder.names().is_empty());
+    folder.aurt(format!("{PLANNED} --out motion").split(' ')).succeeded();
+    assert!(folder.read("motion").starts_with("time,q_0"));
+}
+
+#[test]
 fn parsers_of_others_read_the_same_numbers() {
     let python = std::env::var("AURT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let has = Command::new(&python).args(["-c", "import mcap_ros2, pandas, pyarrow, yaml"]).output();
@@ -67,7 +79,7 @@ fn parsers_of_others_read_the_same_numbers() {
     let found: Value = serde_json::from_slice(&run.stdout).unwrap();
     let bits = |value: f64| Value::from(format!("{:016x}", value.to_bits()));
     let row = |series: &[Vec<f64>], k: usize| series.iter().map(|s| bits(s[k])).collect::<Value>();
-    let [bag, data_set, goal] = ["bag", "data_set", "goal"].map(|key| &found[key]);
+    let [bag, data_set, goal, script] = ["bag", "data_set", "goal", "script"].map(|key| &found[key]);
     for read in [bag, goal] {
         assert_eq!(read["names"], planned.joint_names.iter().cloned().collect::<Value>());
     }
@@ -75,6 +87,8 @@ fn parsers_of_others_read_the_same_numbers() {
     assert_eq!((&data_set["names"], &data_set["fps"]), (&motors, &Value::from(50)));
     assert_eq!(bag["points"].as_array().unwrap().len(), planned.time_s.len());
     assert_eq!(data_set["points"].as_array().unwrap().len(), planned.time_s.len());
+    assert_eq!(script["positions"].as_array().unwrap().len(), planned.time_s.len());
+    assert_eq!((&script["start"], &script["period_s"]), (&script["positions"][0], &Value::from(0.02)));
     for (k, time_s) in planned.time_s.iter().enumerate() {
         let time_ns = Value::from((time_s * 1e9).round() as u64);
         let series = [&planned.position_rad, &planned.velocity_rad_s, &planned.acceleration_rad_s2];
@@ -84,7 +98,9 @@ fn parsers_of_others_read_the_same_numbers() {
         assert_eq!(data_set["points"][k], Value::from(vec![bits(f64::from(*time_s as f32)), q]));
         assert_eq!(goal["times_ns"][k], time_ns);
         for (joint, series) in planned.position_rad.iter().enumerate() {
-            assert!((goal["positions"][k][joint].as_f64().unwrap() - series[k]).abs() < 1e-9);
+            for read in [goal, script] {
+                assert!((read["positions"][k][joint].as_f64().unwrap() - series[k]).abs() < 1e-9);
+            }
         }
     }
 }

@@ -1,9 +1,10 @@
 """Motions that `aurt` wrote, as parsers of others read them: `read_motions.py FOLDER` prints the rows as JSON.
 
-Reads `motion.mcap` (mcap-ros2-support), `motion.lerobot` (PyArrow and pandas) and `motion.yaml` (PyYAML). Numbers of bags and data
-sets are printed as the digits of their bits.
+Reads `motion.mcap` (mcap-ros2-support), `motion.lerobot` (PyArrow and pandas), `motion.yaml` (PyYAML) and `motion.script` (Python's
+own parser: no package reads URScript). Numbers of bags and data sets are printed as the digits of their bits.
 """
 
+import ast
 import json
 import pathlib
 import struct
@@ -86,4 +87,42 @@ def goal():
     }
 
 
-print(json.dumps({"bag": bag(), "data_set": data_set(), "goal": goal()}))
+# Arguments of the URScript manual in their order, and the ranges that it states.
+ARGUMENTS = {
+    "movej": ["q", "a", "v", "t", "r"],
+    "servoj": ["q", "a", "v", "t", "lookahead_time", "gain"],
+    "sleep": ["t"],
+    "stopj": ["a"],
+}
+RANGES = {"t": (0.002, 1e3), "lookahead_time": (0.03, 0.2), "gain": (100, 2000), "a": (1e-3, 40), "v": (1e-3, 4)}
+
+
+def script():
+    """The calls of a URScript program.
+
+    URScript has the expressions, calls, definitions and indentation of Python; its blocks end with a line `end`. Without these
+    lines the program has to be Python, and each of them has to stand where Python sees its block end.
+    """
+    lines = (FOLDER / "motion.script").read_text(encoding="ascii").splitlines()
+    (end,) = [k for k, line in enumerate(lines, 1) if line == "end"]
+    lines[end - 1] = ""
+    function, start = ast.parse("\n".join(lines)).body
+    assert isinstance(function, ast.FunctionDef) and ast.unparse(function.args) == ""
+    assert end == function.end_lineno + 1 and ast.unparse(start) == f"{function.name}()"
+    calls = []
+    for statement in function.body:
+        call = statement.value
+        names = ARGUMENTS[call.func.id]
+        given = dict(zip(names, call.args)) | {keyword.arg: keyword.value for keyword in call.keywords}
+        assert set(given) <= set(names) and len(given) == len(call.args) + len(call.keywords), ast.unparse(call)
+        given = {name: ast.literal_eval(value) for name, value in given.items()}
+        for name in set(given) & set(RANGES):
+            assert RANGES[name][0] <= given[name] <= RANGES[name][1], ast.unparse(call)
+        calls.append((call.func.id, given))
+    assert [name for name, _ in calls] == ["movej", "sleep", *["servoj"] * (len(calls) - 3), "stopj"]
+    (period_s,) = {given["t"] for name, given in calls if name == "servoj"}
+    positions = [given["q"] for name, given in calls if name == "servoj"]
+    return {"start": calls[0][1]["q"], "period_s": period_s, "positions": positions}
+
+
+print(json.dumps({"bag": bag(), "data_set": data_set(), "goal": goal(), "script": script()}))

@@ -7,7 +7,7 @@ use aurt::{CalibratedModel, origins::Origins};
 use aurt_calibration::{CalibratedParameter, Calibration, JointRange};
 use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
-use aurt_rbd::robots::{DescribedRobot, JointFriction};
+use aurt_rbd::robots::{DescribedRobot, JointFriction, ParameterFile};
 use aurt_rbd::{RobotDescription, carry_over};
 use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
@@ -45,27 +45,37 @@ pub struct GivenModel {
 
 impl GivenModel {
     /// Reads a calibrated model, or the model that a URDF or MJCF file is (`.urdf`, `.xml`, `.mjcf`): its inertial parameters,
-    /// friction and rotors in the geometry of the experiment.
+    /// friction and rotors in the geometry of the experiment, corrected by a file of `parameters`.
     ///
     /// # Errors
-    /// As [`CalibratedModel::read`]; a description that is wrong, has no masses or is of another arm.
+    /// As [`CalibratedModel::read`]; a description that is wrong, has no masses or is of another arm; wrong parameters.
     pub fn read(
         path: &Path,
         ends: ChainEnds<'_>,
+        parameters: Option<&Path>,
         experiment: &Experiment,
         registry: &Registry,
     ) -> Result<Self, Failure> {
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         if ENDINGS.contains(&ending.as_str()) {
-            let described = chain(path, ends, experiment)?;
+            let parameters = parameters.map(ParameterFile::read).transpose()?;
+            let described = chain(path, ends, parameters.as_ref(), experiment)?;
             let calibrated = of_description(&described, path, experiment, registry)?;
-            return Ok(Self { calibrated, notes: described.notes });
+            let mut notes = described.notes;
+            let beyond: Vec<&str> = parameters.iter().flat_map(ParameterFile::of_drives).collect();
+            if !beyond.is_empty() {
+                notes.push(format!(
+                    "parameters that no model of torques has are left out: {}",
+                    beyond.join(", ")
+                ));
+            }
+            return Ok(Self { calibrated, notes });
         }
-        if ends != ChainEnds::default() {
+        if ends != ChainEnds::default() || parameters.is_some() {
             return Err(Failure::unfit(
                 path,
-                "is no .urdf or .xml file, of which a chain could be chosen",
-                "leave out --base and --tip",
+                "is no .urdf or .xml file, of which a chain could be chosen or parameters corrected",
+                "leave out --base, --tip and --parameters",
             ));
         }
         let calibrated = CalibratedModel::read(path, registry)?;
@@ -75,14 +85,19 @@ impl GivenModel {
 }
 
 /// The chain of a description file.
-fn chain(path: &Path, ends: ChainEnds<'_>, experiment: &Experiment) -> Result<DescribedRobot, Failure> {
+fn chain(
+    path: &Path,
+    ends: ChainEnds<'_>,
+    parameters: Option<&ParameterFile>,
+    experiment: &Experiment,
+) -> Result<DescribedRobot, Failure> {
     if let (ChainEnds { base: None, tip: None }, Geometry::Urdf { robot, .. }) =
         (ends, &experiment.robot.geometry)
-        && let Ok(described) = aurt_rbd::robots::read_part(path, Some(&robot.base), &robot.part)
+        && aurt_rbd::robots::read_part(path, Some(&robot.base), &robot.part).is_ok()
     {
-        return Ok(described);
+        return Ok(aurt_rbd::robots::read_part_with(path, Some(&robot.base), &robot.part, parameters)?);
     }
-    Ok(aurt_rbd::robots::read_part(path, ends.base, &ends.tip.into())?)
+    Ok(aurt_rbd::robots::read_part_with(path, ends.base, &ends.tip.into(), parameters)?)
 }
 
 /// The model that a description states, in the geometry of an experiment.

@@ -23,16 +23,26 @@ pub enum PlannedOutput {
 }
 
 impl PlannedOutput {
-    /// Known endings, as a sentence lists them.
-    pub const ENDINGS: &str = ".csv, .yaml, .script, .mcap or .lerobot";
-
-    /// Checks that `path` can become a file, or a folder if it ends in `.lerobot`, and is none of `inputs`.
+    /// Checks that `path` can become a file, or a folder if it ends in `.lerobot`, and is none of `inputs`. A path without an
+    /// ending, such as that of a device, is a table.
     ///
     /// # Errors
-    /// [`Failure::Output`], also for a folder with other files than a planned motion has.
+    /// [`Failure::Output`], also for an unknown ending and for a folder with other files than a planned motion has.
     pub fn new(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
-        if path.extension().is_none_or(|ending| ending != "lerobot") {
-            return Ok(Self::File(OutputFile::new(option, path, inputs)?));
+        let ending = path.extension().map(|ending| ending.to_string_lossy());
+        match ending.as_deref() {
+            Some("lerobot") => {}
+            None | Some("csv" | "yaml" | "yml" | "script" | "mcap") => {
+                return Ok(Self::File(OutputFile::new(option, path, inputs)?));
+            }
+            Some(_) => {
+                return Err(Failure::Output {
+                    option,
+                    path: path.to_owned(),
+                    reason: "has none of the known endings".into(),
+                    remedy: "name it .csv, .yaml, .script, .mcap or .lerobot".into(),
+                });
+            }
         }
         let folder = OutputFolder::new(option, path)?;
         let other = FOLDERS.iter().find_map(|name| other_file(&path.join(name), path, DEEPEST));
@@ -44,13 +54,6 @@ impl PlannedOutput {
                 remedy: "name a new folder".into(),
             })
         })
-    }
-
-    /// True for a path with a known ending.
-    #[must_use]
-    pub fn knows(path: &Path) -> bool {
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        matches!(ending, Some("csv" | "yaml" | "yml" | "script" | "mcap" | "lerobot"))
     }
 
     /// The path.

@@ -14,6 +14,7 @@ mod error;
 mod known;
 mod mdh;
 mod mjcf;
+mod parameters;
 mod part;
 mod places;
 mod pose;
@@ -29,6 +30,7 @@ pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
 pub use mdh::AsMdh;
 pub use mjcf::{PositionActuator, position_actuators};
+pub use parameters::ParameterFile;
 pub use part::Part;
 pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
 
@@ -62,8 +64,21 @@ pub fn read_part(
     base: Option<&str>,
     part: &Part,
 ) -> Result<DescribedRobot, RobotErrors> {
+    read_part_with(path, base, part, None)
+}
+
+/// As [`read_part`], corrected by a parameter file.
+///
+/// # Errors
+/// As [`read_part`]; parameters of joints and bodies that the file has not.
+pub fn read_part_with(
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    part: &Part,
+    parameters: Option<&ParameterFile>,
+) -> Result<DescribedRobot, RobotErrors> {
     let path = path.as_ref();
-    parse_part(&text_of(path)?, path, base, part)
+    parse_part_with(&text_of(path)?, path, base, part, parameters)
 }
 
 fn text_of(path: &Path) -> Result<String, RobotErrors> {
@@ -96,7 +111,23 @@ pub fn parse_part(
     base: Option<&str>,
     part: &Part,
 ) -> Result<DescribedRobot, RobotErrors> {
-    serial::robot(&tree(text, path.as_ref())?, base, part.clone())
+    parse_part_with(text, path, base, part, None)
+}
+
+/// As [`read_part_with`], from text; `path` is what errors call it.
+///
+/// # Errors
+/// As [`read_part_with`].
+pub fn parse_part_with(
+    text: &str,
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    part: &Part,
+    parameters: Option<&ParameterFile>,
+) -> Result<DescribedRobot, RobotErrors> {
+    let mut tree = tree(text, path.as_ref())?;
+    parameters.map_or(Ok(()), |parameters| parameters.correct(&mut tree))?;
+    serial::robot(&tree, base, part.clone())
 }
 
 /// The links at which the moving chains of a robot description end, in the file's order; chains that differ only by

@@ -5,6 +5,7 @@ mod known;
 mod mdh;
 mod mjcf;
 mod mujoco;
+mod parameters;
 mod peer;
 mod pinocchio;
 mod urdf;

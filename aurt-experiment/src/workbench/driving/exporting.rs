@@ -1,15 +1,26 @@
 //! A calibrated arm with drives as a MuJoCo model.
 
-use aurt_export::mjcf::{Beyond, DrivenJoint, Ground, driven};
-use aurt_rbd::INERTIAL_PARAMETERS;
+use std::path::Path;
 
-use super::CalibratedDrive;
+use aurt_calibration::drives::{DriveRecording, DrivenArm};
+use aurt_export::mjcf::{Beyond, DrivenJoint, Ground, driven};
+use aurt_rbd::robots::{Part, parse_part};
+use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
+use aurt_recording::RobotJoints;
+
+use super::{CalibratedDrive, fits::mjcf, follows_positions, second_opinion::given};
 use crate::workbench::{exporting::Exported, failure::Failure};
 
 /// From this size on a limit is none.
 const UNLIMITED: f64 = 1e9;
 /// A stop that is not there beside one that is, rad.
 const FAR_RAD: f64 = 1e3;
+/// Sines on which a written file is compared: samples and their distance, amplitude without stops, and angular frequency of the
+/// first joint.
+const SAMPLES: usize = 500;
+const STEP_S: f64 = 0.02;
+const REACH_RAD: f64 = 0.3;
+const SLOWEST_RAD_S: f64 = 2.0;
 
 impl CalibratedDrive {
     /// The MuJoCo model of a robot called `name`, with a script for what MuJoCo has no words for.
@@ -91,6 +102,51 @@ impl CalibratedDrive {
         if ground.is_none() && arm.floor.is_some() {
             lost.push("the floor, which is not across the z axis of the base".into());
         }
-        Ok(driven(name, &arm.chain, &standard, &joints, ground, arm.command, lost)?.into())
+        let mut exported: Exported =
+            driven(name, &arm.chain, &standard, &joints, ground, arm.command, lost)?.into();
+        if follows_positions(arm) {
+            let compared = exported.files.first().map(|(name, text)| self.compared(name, text));
+            exported.notes.extend(compared.map(|compared| {
+                compared.unwrap_or_else(|e| format!("its positions were not compared with the model's: {e}"))
+            }));
+        }
+        Ok(exported)
+    }
+
+    /// The positions of a written file, read back and simulated, beside those of the model.
+    fn compared(&self, name: &str, contents: &[u8]) -> Result<String, Failure> {
+        let (path, text) = (Path::new(name), String::from_utf8_lossy(contents));
+        let (own, names) = (&self.arm, self.arm.chain.joint_names().to_vec());
+        let described = parse_part(&text, path, None, &Part::All)?;
+        if !names.is_empty() && described.joint_names != names {
+            return Err(Failure::unfit(path, "lists the joints in another order", "compare it in MuJoCo"));
+        }
+        let joints = RobotJoints { names, ..RobotJoints::from(own.joints.len()) };
+        let (mut read, _) = given(own, &mjcf(path, &text, None, &joints)?, self.names());
+        read.chain = described.chain(own.chain.gravity_m_s2())?;
+        read.standard_parameters = described.standard_parameters.unwrap_or_default();
+        read.joints.iter_mut().for_each(|joint| joint.mechanics.mass_scale = 1.0);
+        let time_s: Vec<f64> = (0..SAMPLES).map(|k| STEP_S * k as f64).collect();
+        let sine = |(j, joint): (usize, &aurt_calibration::drives::DrivenJoint)| {
+            let [low, high] = [joint.mechanics.lower_stop_rad, joint.mechanics.upper_stop_rad]
+                .map(|stop| stop.clamp(-FAR_RAD, FAR_RAD) - joint.mechanics.position_offset_rad);
+            let reach = (0.25 * (high - low)).min(REACH_RAD);
+            let (middle, rate) = (0.0_f64.max(low + reach).min(high - reach), SLOWEST_RAD_S + 0.7 * j as f64);
+            time_s.iter().map(|t| middle + reach * (rate * t).sin()).collect()
+        };
+        let command: Vec<Vec<f64>> = own.joints.iter().enumerate().map(sine).collect();
+        let recording =
+            DriveRecording { time_s, position_rad: command.clone(), command, ..DriveRecording::default() };
+        let rollout = |arm: &DrivenArm| {
+            arm.rollout(&recording).map_err(|e| Failure::unfit(path, e.to_string(), "simulate it in MuJoCo"))
+        };
+        let (ours, theirs) = (rollout(own)?, rollout(&read)?);
+        let rms = ours.iter().zip(&theirs).enumerate().map(|(j, (ours, theirs))| {
+            let squares: f64 = ours.iter().zip(theirs).map(|(a, b)| (a - b).powi(2)).sum();
+            format!("{} {:.3}", self.names().joint(j), 1e3 * (squares / ours.len() as f64).sqrt())
+        });
+        let what = "read back and simulated by AURT without the script, its positions differ from the model's on sines of 10 s by \
+                    (rms in 1e-3 rad or m)";
+        Ok(format!("{what}: {}", rms.collect::<Vec<_>>().join(", ")))
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use aurt_calibration::drives::Mechanics;
 use aurt_friction::drives::PositionServo;
-use aurt_rbd::robots::{Part, position_actuators, read_part};
+use aurt_rbd::robots::{ParameterFile, Part, parse_part_with, position_actuators};
 use aurt_recording::RobotJoints;
 use serde_json::{Map, Value};
 
@@ -14,35 +14,47 @@ use crate::workbench::failure::Failure;
 pub(super) struct Fit {
     /// What the file is.
     pub kind: &'static str,
-    /// One for each joint; surroundings (stops, zeros, loads) are not part of it.
+    /// One for each joint; surroundings (stops, loads) are not part of it.
     pub joints: Vec<(PositionServo, Mechanics)>,
+    /// Whether zeros are part of it.
+    pub has_zeros: bool,
     /// What of it has no counterpart or another meaning.
     pub lost: Vec<String>,
 }
+
+const MJCF: &str = "MJCF";
+/// The least inertia that can be simulated.
+const LEAST_ROTOR_KG_M2: f64 = 1e-7;
 
 /// A servo that is its gain alone.
 fn bare(gain_nm_per_rad: f64) -> PositionServo {
     PositionServo { gain_nm_per_rad, back_emf_nm_s_per_rad: 0.0, delay_s: 0.0, ..PositionServo::default() }
 }
 
-/// A rotor without friction; the least inertia that can be simulated if there is none.
+/// A rotor without friction.
 fn rotor(rotor_inertia_kg_m2: f64) -> Mechanics {
-    Mechanics { rotor_inertia_kg_m2: rotor_inertia_kg_m2.max(1e-7), ..Mechanics::default() }
+    Mechanics { rotor_inertia_kg_m2: rotor_inertia_kg_m2.max(LEAST_ROTOR_KG_M2), ..Mechanics::default() }
 }
 
 /// The fit in a file: MJCF with actuators of positions, JSON of BAM, or JSON with the settings of Isaac Lab's actuators.
-pub(super) fn read(path: &Path, joints: &RobotJoints) -> Result<Fit, Failure> {
+/// A parameter file corrects the first.
+pub(super) fn read(path: &Path, parameters: Option<&Path>, joints: &RobotJoints) -> Result<Fit, Failure> {
+    let parameters = &parameters.map(ParameterFile::read).transpose()?;
     let unreadable = |e: std::io::Error| Failure::unfit(path, e.to_string(), "name a file that can be read");
     let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(unreadable)?;
     if aurt_rbd::robots::is_mjcf(&text) {
-        return mjcf(path, &text, joints);
+        return mjcf(path, &text, parameters.as_ref(), joints);
     }
     let remedy = "name an MJCF file with actuators, BAM's JSON, or a JSON object with settings of Isaac Lab's actuators (`stiffness` …)";
     let value: Value = serde_json::from_str(&text)
         .map_err(|e| Failure::unfit(path, format!("is neither MJCF nor JSON: {e}"), remedy))?;
     match value.as_object() {
+        Some(_) if parameters.is_some() => {
+            let reason = "is no MJCF file, which --parameters corrects";
+            Err(Failure::unfit(path, reason, "leave out --parameters; PACE's `mean` is part of JSON itself"))
+        }
         Some(table) if table.contains_key("kt") => bam(path, table, joints.count),
-        Some(table) if table.contains_key("stiffness") => isaac(path, table, joints),
+        Some(table) if table.contains_key("stiffness") => isaac(path, &pace(path, table)?, joints),
         Some(table) if table.contains_key("drive_schema") => {
             let reason = "is a model of AURT itself, and `--model` compares what others fitted with the experiment's own";
             let remedy = "run the experiment without it, or write its numbers under [drive] with `estimate = []` and use `aurt run`";
@@ -52,9 +64,36 @@ pub(super) fn read(path: &Path, joints: &RobotJoints) -> Result<Fit, Failure> {
     }
 }
 
-fn mjcf(path: &Path, text: &str, joints: &RobotJoints) -> Result<Fit, Failure> {
+/// Corrects drives by the parameters that are theirs.
+fn correct(fit: &mut Fit, parameters: &ParameterFile, names: &[String]) {
+    let mut used = Vec::new();
+    for (joint, (servo, _)) in names.iter().zip(&mut fit.joints) {
+        for (quantity, number) in [
+            ("kp", &mut servo.gain_nm_per_rad),
+            ("kv", &mut servo.firmware_damping_nm_s_per_rad),
+            ("delay", &mut servo.delay_s),
+        ] {
+            if let Some((value, name)) = parameters.value(joint, quantity) {
+                *number = value;
+                used.push(name);
+            }
+        }
+    }
+    let unused = parameters.of_drives().filter(|name| !used.contains(name)).chain(parameters.of_bodies());
+    fit.lost.extend(
+        unused.map(|name| format!("the parameter `{name}` is of no joint's friction, gain or delay")),
+    );
+}
+
+/// The fit in the text of an MJCF file with actuators of positions.
+pub(super) fn mjcf(
+    path: &Path,
+    text: &str,
+    parameters: Option<&ParameterFile>,
+    joints: &RobotJoints,
+) -> Result<Fit, Failure> {
     let part = if joints.names.is_empty() { Part::All } else { Part::Joints(joints.names.clone()) };
-    let robot = read_part(path, None, &part)?;
+    let robot = parse_part_with(text, path, None, &part, parameters)?;
     let actuators = position_actuators(text, path)?;
     let names = if joints.names.is_empty() { &robot.joint_names } else { &joints.names };
     if names.len() != joints.count {
@@ -90,7 +129,13 @@ fn mjcf(path: &Path, text: &str, joints: &RobotJoints) -> Result<Fit, Failure> {
     };
     let joints: Result<_, Failure> = names.iter().map(one).collect();
     let creeps = "MuJoCo's frictionloss yields a little at rest; here it holds";
-    Ok(Fit { kind: "MJCF", joints: joints?, lost: vec![creeps.into(), "`ctrlrange` is not applied".into()] })
+    let lost = vec![creeps.into(), "`ctrlrange` is not applied".into()];
+    let mut fit = Fit { kind: MJCF, joints: joints?, has_zeros: false, lost };
+    if let Some(parameters) = parameters {
+        correct(&mut fit, parameters, names);
+        fit.lost.extend(robot.notes.iter().filter(|note| note.contains("parameters")).cloned());
+    }
+    Ok(fit)
 }
 
 /// BAM's servos: name, duty per unit of position error and of firmware gain, largest duty (Rhoban/bam, `actuator.py` of each).
@@ -192,21 +237,50 @@ fn bam(path: &Path, table: &Map<String, Value>, joints: usize) -> Result<Fit, Fa
         lost.push(format!("the Stribeck curve has the exponent {alpha:.3}; here it is 2"));
     }
     lost.extend(BAM_UNUSED.iter().filter_map(|key| of(key).map(|v| format!("`{key}` {v:.4} is not used"))));
-    Ok(Fit { kind: "BAM", joints: vec![(servo, mechanics); joints], lost })
+    Ok(Fit { kind: "BAM", joints: vec![(servo, mechanics); joints], has_zeros: false, lost })
 }
 
 /// Settings that no recording of positions can tell the meaning of, or that engines apply differently.
-const UNUSED: [&str; 6] = [
+const UNUSED: [&str; 5] = [
     "velocity_limit",
     "velocity_limit_sim",
     "actuator_velocity_limit",
     "joint_velocity_limit",
     "saturation_effort",
-    "encoder_bias",
 ];
 /// Names of the largest torque.
 const EFFORTS: [&str; 4] =
     ["effort_limit", "effort_limit_sim", "actuator_effort_limit", "joint_effort_limit"];
+
+/// Settings with PACE's vector `mean` written out: armature, viscous friction, friction and encoder bias of each joint of
+/// `joint_order`, and the delay, of which PACE takes whole steps.
+fn pace(path: &Path, table: &Map<String, Value>) -> Result<Map<String, Value>, Failure> {
+    let mut table = table.clone();
+    let Some(mean) = table.remove("mean") else { return Ok(table) };
+    let order = serde_json::from_value::<Vec<String>>(table.remove("joint_order").unwrap_or_default());
+    let mean = serde_json::from_value::<Vec<f64>>(mean);
+    let (Ok(order), Ok(mean)) = (order, mean) else {
+        let reason = "`mean` and `joint_order` are no list of numbers and list of names";
+        return Err(Failure::unfit(path, reason, "write those of PACE's mean_….pt and config.pt"));
+    };
+    let joints = order.len();
+    if mean.len() != 4 * joints + 1 {
+        let reason =
+            format!("`mean` has {} numbers, and {joints} joints have {}", mean.len(), 4 * joints + 1);
+        return Err(Failure::unfit(path, reason, "write `joint_order` of the same config.pt"));
+    }
+    let friction = ["static_friction", "dynamic_friction"];
+    for (from, keys) in
+        [&["armature"][..], &["viscous_friction"], &friction, &["encoder_bias"]].iter().enumerate()
+    {
+        let numbers =
+            order.iter().cloned().zip(mean[from * joints..].iter().map(|value| Value::from(*value)));
+        let numbers: Map<String, Value> = numbers.collect();
+        table.extend(keys.iter().map(|key| ((*key).to_owned(), numbers.clone().into())));
+    }
+    table.extend(["min_delay", "max_delay"].map(|key| (key.to_owned(), mean[4 * joints].trunc().into())));
+    Ok(table)
+}
 
 /// τ = clip(stiffness (q*(t − delay) − q) − damping q̇); friction in Nm, dynamic while the joint moves (Isaac Sim 5 and later).
 fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Result<Fit, Failure> {
@@ -215,7 +289,9 @@ fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Resul
         "damping",
         "armature",
         "friction",
+        "static_friction",
         "dynamic_friction",
+        "encoder_bias",
         "viscous_friction",
         "min_delay",
         "max_delay",
@@ -245,7 +321,9 @@ fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Resul
     };
     let one = |j: usize| {
         let get = |key: &str| Ok::<f64, Failure>(of(key, j)?.unwrap_or(0.0));
-        let (holds, slides) = (get("friction")?, of("dynamic_friction", j)?);
+        // The newer name of `friction`.
+        let holds = of("static_friction", j)?.map_or_else(|| get("friction"), Ok)?;
+        let slides = of("dynamic_friction", j)?;
         if holds != 0.0 && slides.is_none() {
             let remedy =
                 "add `dynamic_friction` in Nm; older releases take `friction` as a factor without unit";
@@ -277,6 +355,7 @@ fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Resul
             // What holds is gone as soon as the joint moves.
             stribeck_velocity_rad_s: 1e-3,
             viscous_nm_s_per_rad: get("viscous_friction")?,
+            position_offset_rad: get("encoder_bias")?,
             ..rotor(get("armature")?)
         };
         Ok((servo, mechanics))
@@ -286,6 +365,7 @@ fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Resul
     Ok(Fit {
         kind: "Isaac Lab",
         joints: fitted?,
+        has_zeros: table.get("encoder_bias").is_some_and(|bias| !bias.is_null()),
         lost: unused.map(|key| format!("`{key}` is not used")).collect(),
     })
 }
@@ -298,7 +378,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("fit.json");
         std::fs::write(&path, text).unwrap();
-        read(&path, &RobotJoints::from(2)).map_err(|e| e.to_string())
+        read(&path, None, &RobotJoints::from(2)).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -327,9 +407,11 @@ mod tests {
     fn settings_of_isaac_lab_keep_their_meaning() {
         let read = fit(
             r#"{"stiffness": [10, 20], "damping": 0.3, "friction": 0.2, "dynamic_friction": 0.15, "viscous_friction": 0.1,
-                "armature": 0.01, "min_delay": 2, "max_delay": 4, "physics_dt_s": 0.005, "effort_limit": 3, "velocity_limit": 9}"#,
+                "armature": 0.01, "min_delay": 2, "max_delay": 4, "physics_dt_s": 0.005, "effort_limit": 3, "velocity_limit": 9,
+                "encoder_bias": [0, 0.02]}"#,
         )
         .unwrap();
+        assert!(read.has_zeros && read.joints[1].1.position_offset_rad == 0.02);
         let (drive, mechanics) = &read.joints[1];
         assert_eq!(
             (drive.gain_nm_per_rad, drive.firmware_damping_nm_s_per_rad, drive.torque_limit_nm),
@@ -345,6 +427,34 @@ mod tests {
             (r#"{"stiffness": [1]}"#, "no number for joint 1"),
         ] {
             let refused = fit(text).err().unwrap();
+            assert!(refused.contains(said), "{refused}");
+        }
+    }
+
+    #[test]
+    fn the_vector_of_pace_states_joints_encoders_and_the_delay() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pace.json");
+        let joints = RobotJoints { names: vec!["hip".into(), "knee".into()], ..RobotJoints::from(2) };
+        let of = |more: &str| {
+            let text = format!(
+                r#"{{"stiffness": 85, "damping": 0.6, "max_delay": 10, "physics_dt_s": 0.002, {more}}}"#
+            );
+            std::fs::write(&path, text).unwrap();
+            read(&path, None, &joints).map_err(|e| e.to_string())
+        };
+        let mean = "[0.1, 0.2, 1, 2, 3, 4, 0.01, -0.02, 5.7]";
+        let fit = of(&format!(r#""joint_order": ["knee", "hip"], "mean": {mean}"#)).unwrap();
+        let (servo, hip) = &fit.joints[0];
+        assert!((servo.delay_s - 0.01).abs() < 1e-12 && servo.gain_nm_per_rad == 85.0 && fit.has_zeros);
+        assert_eq!((hip.rotor_inertia_kg_m2, hip.viscous_nm_s_per_rad, hip.coulomb_nm), (0.2, 2.0, 4.0));
+        assert_eq!((hip.static_nm, hip.position_offset_rad), (0.0, -0.02));
+        for (more, said) in [
+            (r#""joint_order": ["hip"], "mean": [1, 2]"#, "has 2 numbers, and 1 joints have 5"),
+            (r#""joint_order": ["hip"], "mean": [1, 2, 3, 4, 0]"#, "has no number for joint 1"),
+            (r#""mean": [1, 2]"#, "no list of numbers and list of names"),
+        ] {
+            let refused = of(more).err().unwrap();
             assert!(refused.contains(said), "{refused}");
         }
     }

@@ -11,13 +11,14 @@ use aurt_calibration::drives::{
 use aurt_calibration::with_deviation;
 use aurt_diagnosis::drives::{Missed, STRUCTURES, Structure, compare, deciders};
 use aurt_files::output::pretty;
-use aurt_friction::drives::{PdLaw, PositionServo};
+use aurt_friction::drives::PdLaw;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    DriveOutcome, arm_of, doubts_of, fits, follows_positions, of_drive, of_joint, options_of, read_all,
-    warnings, without_drive,
+    DriveOutcome, arm_of, doubts_of,
+    fits::{self, Fit},
+    follows_positions, of_drive, of_joint, options_of, read_all, warnings, without_drive,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 
@@ -66,13 +67,14 @@ impl Number<'_> {
     }
 }
 
-/// Judges the drives and joints that others fitted by the recordings of an experiment.
+/// Judges the drives and joints that others fitted by the recordings of an experiment; a file of `parameters` corrects them.
 ///
 /// # Errors
 /// Why it could not be done.
 pub fn second_opinion(
     experiment: &Experiment,
     file: &Path,
+    parameters: Option<&Path>,
     progress: &Progress,
 ) -> Result<DriveOutcome, Failure> {
     let (arm, mut notes) = arm_of(experiment)?;
@@ -87,7 +89,7 @@ pub fn second_opinion(
     }
     let robot_joints = experiment.robot.robot_joints();
     let names = RobotNames::of_joints(&robot_joints.names);
-    let fit = fits::read(file, &robot_joints)?;
+    let fit = fits::read(file, parameters, &robot_joints)?;
     let recordings = read_all(experiment, &arm, &mut notes, progress)?;
     let of = |held_out: bool| -> Vec<DriveRecording> {
         recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
@@ -101,7 +103,7 @@ pub fn second_opinion(
     let failed = |error| of_drive(&error, experiment, &recordings);
     progress.step("the experiment's own model");
     let own = output_error(&arm, &drive.selection, &fitted, &options).map_err(failed)?;
-    let (given, more_lost) = given(&own.arm, &fit.joints, names);
+    let (given, more_lost) = given(&own.arm, &fit, names);
     given.validate().map_err(|e| Failure::unfit(file, e.to_string(), "correct the number; units are SI"))?;
     progress.step("the fit's own numbers, estimated again");
     let (start, selection_again) = again(&given, &own.arm, &arm, &drive.selection);
@@ -115,7 +117,8 @@ pub fn second_opinion(
     let doubts = doubts_of(&recordings);
     notes.extend(fit.lost.iter().chain(&more_lost).map(|lost| format!("{}: {lost}", fit.kind)));
     notes.extend(own.undetermined.iter().map(|open| format!("the own model: {open}")));
-    notes.push("links, stops, loads, zeros of the joints and the floor are those of the experiment".into());
+    let zeros = if fit.has_zeros { "" } else { ", zeros of the joints" };
+    notes.push(format!("links, stops, loads{zeros} and the floor are those of the experiment"));
     let said = Said {
         kind: fit.kind,
         held_out: [
@@ -141,16 +144,12 @@ pub fn second_opinion(
 }
 
 /// The arm with the drives of a fit in the surroundings of `own`, and what its kind of drive has no number for.
-fn given(
-    own: &DrivenArm,
-    joints: &[(PositionServo, Mechanics)],
-    names: RobotNames<'_>,
-) -> (DrivenArm, Vec<String>) {
+pub(super) fn given(own: &DrivenArm, fit: &Fit, names: RobotNames<'_>) -> (DrivenArm, Vec<String>) {
     let (mut arm, mut lost) = (own.clone(), Vec::new());
-    for (j, (joint, (servo, mechanics))) in arm.joints.iter_mut().zip(joints).enumerate() {
+    for (j, (joint, (servo, mechanics))) in arm.joints.iter_mut().zip(&fit.joints).enumerate() {
         let around = joint.mechanics;
         joint.mechanics = Mechanics {
-            position_offset_rad: around.position_offset_rad,
+            position_offset_rad: if fit.has_zeros { mechanics } else { &around }.position_offset_rad,
             mass_scale: around.mass_scale,
             lower_stop_rad: around.lower_stop_rad,
             upper_stop_rad: around.upper_stop_rad,

@@ -258,6 +258,16 @@ fn what_a_servo_lacks_is_named_and_exported() {
     let exported = model.to_mjcf("servo").unwrap_err().to_string();
     assert!(exported.contains("mass"), "a robot without masses is no MuJoCo model: {exported}");
     model.arm.standard_parameters = vec![1e-3, 0.0, 0.0, 1e-3, 0.0, 1e-3, 0.0, 0.0, 0.0, 0.1];
+    // Read back and simulated, the file moves as the model does, but for what it lacks.
+    let differs = |model: &CalibratedDrive| -> f64 {
+        let notes = model.to_mjcf("servo").unwrap().notes;
+        let note = notes.iter().find(|note| note.contains("read back and simulated")).unwrap();
+        note.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    assert!(differs(&model) < 0.01, "{}", differs(&model));
+    model.arm.joints[0].mechanics.static_nm = 0.2;
+    assert!(differs(&model) > 0.1, "{}", differs(&model));
+    model.arm.joints[0].mechanics.static_nm = 0.0;
     model.arm.joints[0].mechanics.coulomb_per_load = 0.1;
     let exported = model.to_mjcf("servo").unwrap();
     let text = |k: usize| String::from_utf8(exported.files[k].1.clone()).unwrap();

@@ -87,7 +87,7 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
     let experiment = Experiment::parse(EXPERIMENT, &path, &mut Registry::linked().unwrap()).unwrap();
     let judge = |name: &str, text: &str| -> Result<DriveOutcome, String> {
         fs::write(folder.join(name), text).unwrap();
-        second_opinion(&experiment, &folder.join(name), &Progress::silent()).map_err(|e| e.to_string())
+        second_opinion(&experiment, &folder.join(name), None, &Progress::silent()).map_err(|e| e.to_string())
     };
     let outcome = judge("fit.xml", &mjcf("armature=\"0.03\" damping=\"0.75\"", "")).unwrap();
     assert!(outcome.findings, "{}", outcome.text);
@@ -124,6 +124,21 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
     let right = mjcf("armature=\"0.01\" damping=\"0.4\" frictionloss=\"0.06\"", "delay=\"0.028\"");
     let outcome = judge("right.xml", &right).unwrap();
     assert!(!outcome.findings && !outcome.text.contains("stands for"), "{}", outcome.text);
+
+    // The same, as mujoco.sysid states it for a file with other numbers.
+    fs::write(folder.join("bare.xml"), mjcf("armature=\"0.03\"", "")).unwrap();
+    let identified = |damping: &str| {
+        let numbers =
+            [("j_armature", "0.01"), (damping, "0.4"), ("frictionloss", "0.06"), ("delay", "0.028")];
+        let text: String = numbers.map(|(name, value)| format!("{name}:\n  value:\n  - {value}\n")).concat();
+        fs::write(folder.join("params.yaml"), text).unwrap();
+        let [fit, parameters] = ["bare.xml", "params.yaml"].map(|name| folder.join(name));
+        second_opinion(&experiment, &fit, Some(&parameters), &Progress::silent()).map_err(|e| e.to_string())
+    };
+    let corrected = identified("j_damping").unwrap();
+    assert_eq!(corrected.json["held_out_rms"], outcome.json["held_out_rms"]);
+    let refused = identified("k_damping").unwrap_err();
+    assert!(refused.contains("params.yaml:4") && refused.contains("there is no joint `k`"), "{refused}");
 
     let refused = judge("geared.xml", &mjcf("armature=\"0.03\"", "gear=\"2\"")).unwrap_err();
     assert!(refused.contains("gear") && refused.contains("gains at the joint"), "{refused}");

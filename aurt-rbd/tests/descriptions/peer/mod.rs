@@ -1,6 +1,7 @@
 //! Chains of a file against another program's, where `AURT_PYTHON` names an interpreter that has it.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
@@ -8,8 +9,8 @@ use std::process::Command;
 #[path = "../../../examples/chains.rs"]
 mod chains;
 
-/// What the comparing `script` prints of a file in `reference`; nothing without the Python `module`.
-pub fn compared(module: &str, script: &str, file: &str) -> Option<String> {
+/// The interpreter that `AURT_PYTHON` names, if it has the Python `module`.
+pub fn python(module: &str) -> Option<OsString> {
     let Some(python) = std::env::var_os("AURT_PYTHON") else {
         println!("skipped: AURT_PYTHON names no Python with {module}");
         return None;
@@ -18,6 +19,12 @@ pub fn compared(module: &str, script: &str, file: &str) -> Option<String> {
         println!("skipped: {} has no {module}", python.display());
         return None;
     }
+    Some(python)
+}
+
+/// What the comparing `script` prints of a file in `reference`; nothing without the Python `module`.
+pub fn compared(module: &str, script: &str, file: &str) -> Option<String> {
+    let python = python(module)?;
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let file = here.join("tests/descriptions/reference").join(file);
     let folder = tempfile::tempdir().unwrap();
