@@ -21,8 +21,8 @@ use crate::{
 
 /// Write an experiment for a robot and its logs.
 ///
-/// Splits the recordings into calibration and validation unless `--validation` names some, suggests f_dyn, tries common mistakes against the
-/// data, and writes every guess as a comment into the file. On a terminal it asks for what is missing.
+/// Splits the recordings into calibration and validation unless `--validation` names some, suggests f_dyn, tries
+/// common mistakes against the data, and writes every guess as a comment into the file. On a terminal it asks for what is missing.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \
@@ -106,13 +106,9 @@ impl Init {
         if let Some(examination) = &draft.examination {
             text.push_str(&examination.to_text(session.terminal.style()));
         }
-        let command = if self.target.is_empty() { ("run", "results") } else { ("diagnose", "diagnosis") };
-        text.push_str(&format!(
-            "\nnext\n  aurt {} {} --out {}\n",
-            command.0,
-            out.path().display(),
-            command.1
-        ));
+        let (command, folder) =
+            if self.target.is_empty() { ("run", "results") } else { ("diagnose", "diagnosis") };
+        text.push_str(&format!("\nnext\n  aurt {command} {} --out {folder}\n", out.path().display()));
         let json = json!({
             "command": "init",
             "outputs": [out.path()],

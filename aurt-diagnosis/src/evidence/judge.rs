@@ -75,7 +75,7 @@ impl Judge<'_> {
     /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
     /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: they have equal
     /// sums of their shares of the rows and of the energy of the difference, since where the group does little its rows say
-    /// little, and last `shortest_s` or longer. None where there are too few pieces to tell.
+    /// little, and last `shortest_s` or longer where there is time for all. None where there are too few rows to tell.
     pub(crate) fn p_confirm(
         &self,
         confirm: &ConfirmRows,
@@ -92,19 +92,20 @@ impl Judge<'_> {
             .map(|rows| [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta)))
             .collect();
         let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
-        let shortest = (shortest_s * mean_rate_hz(confirm.to_judge())).ceil().max(1.0) as usize;
-        if rows < FEWEST_PIECES * shortest {
+        if rows < FEWEST_PIECES {
             return None;
         }
+        let shortest = (shortest_s * mean_rate_hz(confirm.to_judge())).ceil() as usize;
+        let shortest = shortest.min(rows / PIECES).max(1);
         let level = |j: usize| {
             let left = errors.iter().flat_map(|e| &e[0][j]);
             (left.map(|e| e * e).sum::<f64>() / rows as f64).max(self.floor[j]).max(f64::MIN_POSITIVE)
         };
         let levels: Vec<f64> = (0..self.floor.len()).map(level).collect();
-        let compared = errors.iter().zip(confirm.to_judge());
-        let compared =
-            compared.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Compared::new(e, row, &levels)));
-        Some(by_sign(&pieces(&compared.collect::<Vec<_>>(), shortest)))
+        let contrasts = errors.iter().zip(confirm.to_judge());
+        let contrasts =
+            contrasts.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Contrast::new(e, row, &levels)));
+        Some(by_sign(&pieces(&contrasts.collect::<Vec<_>>(), shortest)))
     }
 }
 
@@ -113,14 +114,14 @@ type Errors = [Vec<Vec<f64>>; 2];
 
 /// One row under two models, summed over joints in units of what the model leaves.
 #[derive(Debug, Clone, Copy)]
-struct Compared {
+struct Contrast {
     /// By how much the squared error is larger without the group.
     difference: f64,
     /// The square of the difference of predictions.
     energy: f64,
 }
 
-impl Compared {
+impl Contrast {
     fn new([with, without]: &Errors, row: usize, levels: &[f64]) -> Self {
         let mut sums = Self { difference: 0.0, energy: 0.0 };
         for (j, level) in levels.iter().enumerate() {
@@ -133,9 +134,9 @@ impl Compared {
 }
 
 /// Differences of pieces of at least some rows, with equal sums of their shares of the rows and of the energy.
-fn pieces(rows: &[Compared], shortest: usize) -> Vec<f64> {
+fn pieces(rows: &[Contrast], shortest: usize) -> Vec<f64> {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
-    let share = |row: &Compared| row.energy / total.max(f64::MIN_POSITIVE) + 1.0 / rows.len() as f64;
+    let share = |row: &Contrast| row.energy / total.max(f64::MIN_POSITIVE) + 1.0 / rows.len() as f64;
     let all: f64 = rows.iter().map(share).sum();
     let (mut pieces, mut begin, mut sum) = (Vec::new(), 0, 0.0);
     for (k, row) in rows.iter().enumerate() {
@@ -149,7 +150,7 @@ fn pieces(rows: &[Compared], shortest: usize) -> Vec<f64> {
     pieces
 }
 
-/// Held-out rows are compared in at most so many pieces: 2¹⁰ ways to give them signs.
+/// Held-out rows are contrasts in at most so many pieces: 2¹⁰ ways to give them signs.
 const PIECES: usize = 10;
 /// With fewer no probability is below one in fifty.
 const FEWEST_PIECES: usize = 6;
@@ -188,8 +189,8 @@ mod tests {
     /// All energy in one tenth of the rows: half of the pieces are there, unless they became too short.
     #[test]
     fn pieces_are_where_the_energy_is() {
-        let row = |k: usize| Compared { difference: 1.0, energy: f64::from(u8::from(k < 100)) };
-        let rows: Vec<Compared> = (0..1000).map(row).collect();
+        let row = |k: usize| Contrast { difference: 1.0, energy: f64::from(u8::from(k < 100)) };
+        let rows: Vec<Contrast> = (0..1000).map(row).collect();
         let lengths = pieces(&rows, 4);
         assert_eq!(lengths.len(), PIECES);
         assert_eq!(lengths.iter().sum::<f64>(), 1000.0);
@@ -197,7 +198,7 @@ mod tests {
         assert!(lengths[6..].iter().all(|l| (190.0..=210.0).contains(l)), "{lengths:?}");
         let lengths = pieces(&rows, 40);
         assert!(lengths.iter().all(|l| *l >= 40.0) && lengths.len() <= PIECES, "{lengths:?}");
-        let still = [Compared { difference: 1.0, energy: 0.0 }; 50];
+        let still = [Contrast { difference: 1.0, energy: 0.0 }; 50];
         let even = pieces(&still, 1);
         assert!(even.len() == PIECES && even.iter().all(|l| (4.0..=6.0).contains(l)), "{even:?}");
     }

@@ -35,18 +35,18 @@ fn normal(seed: u64) -> impl FnMut() -> f64 {
 const SINES: [(f64, f64); 7] =
     [(0.31, 0.5), (0.83, 0.2), (1.7, 0.06), (5.3, 2e-3), (8.9, 6e-4), (11.7, 4e-4), (17.1, 1e-4)];
 
-/// What two rigid or elastic joints do, and how it is recorded.
+/// Motion and recording of two motors.
 #[derive(Clone, Copy)]
-struct Made {
+struct Motors {
     encoder_noise_rad: [f64; 2],
     /// The resonance of the link of joint 0, or a rigid gear.
     hz: Option<f64>,
     f_dyn_hz: f64,
-    /// How many of the sines, from the slowest.
+    /// Number of sines, from the slowest.
     sines: usize,
 }
 
-const MADE: Made = Made { encoder_noise_rad: [1e-6; 2], hz: None, f_dyn_hz: 10.0, sines: SINES.len() };
+const MOTORS: Motors = Motors { encoder_noise_rad: [1e-6; 2], hz: None, f_dyn_hz: 10.0, sines: SINES.len() };
 
 /// The motors' angles and accelerations.
 fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
@@ -57,9 +57,9 @@ fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
     })
 }
 
-/// What is found of the gear of joint 0. Its link on a spring is integrated ten times finer than it is recorded.
-fn searched(made: Made) -> Option<Found> {
-    let Made { encoder_noise_rad, hz, f_dyn_hz, sines } = made;
+/// The gear of joint 0 as it is found. Its link on a spring is integrated ten times finer than it is recorded.
+fn searched(motors: Motors) -> Option<Found> {
+    let Motors { encoder_noise_rad, hz, f_dyn_hz, sines } = motors;
     let samples = (SECONDS * RATE_HZ) as usize;
     let mut noise = normal(3);
     let (mut x, mut v) = (0.0, 0.0);
@@ -134,7 +134,7 @@ fn searched(made: Made) -> Option<Found> {
 #[test]
 fn a_gear_of_known_stiffness_is_found_with_it() {
     for hz in [4.0, 9.0, 14.0] {
-        let found = searched(Made { hz: Some(hz), ..MADE }).unwrap();
+        let found = searched(Motors { hz: Some(hz), ..MOTORS }).unwrap();
         assert!(found.confirmed(), "{hz} Hz: {:?}", found.fails);
         assert!((found.shape.hz / hz - 1.0).abs() < 0.03, "{hz} Hz: {:?}", found.shape);
         assert!((found.amplitude - 1.0).abs() < 0.15, "{hz} Hz: {}", found.amplitude);
@@ -144,7 +144,7 @@ fn a_gear_of_known_stiffness_is_found_with_it() {
 #[test]
 fn noise_of_encoders_is_no_gear() {
     for noise_rad in [1e-6, 1e-5, 1e-4] {
-        let found = searched(Made { encoder_noise_rad: [noise_rad; 2], ..MADE });
+        let found = searched(Motors { encoder_noise_rad: [noise_rad; 2], ..MOTORS });
         assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
     }
 }
@@ -153,15 +153,15 @@ fn noise_of_encoders_is_no_gear() {
 fn noise_of_another_joints_encoder_is_no_gear() {
     // Slow motions, as at a low band: what the other joint's encoder adds to the load of this link is louder than what moves it.
     for (f_dyn_hz, noise_rad) in [(3.0, 1e-4), (3.0, 3e-4), (5.0, 3e-5), (10.0, 1e-4)] {
-        let made = Made { encoder_noise_rad: [1e-7, noise_rad], f_dyn_hz, sines: 3, ..MADE };
-        let found = searched(made);
+        let motors = Motors { encoder_noise_rad: [1e-7, noise_rad], f_dyn_hz, sines: 3, ..MOTORS };
+        let found = searched(motors);
         assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{f_dyn_hz} Hz, {noise_rad} rad: {found:?}");
     }
 }
 
 #[test]
 fn a_gear_is_found_beneath_the_noise_of_encoders() {
-    let found = searched(Made { encoder_noise_rad: [1e-5; 2], hz: Some(9.0), ..MADE }).unwrap();
+    let found = searched(Motors { encoder_noise_rad: [1e-5; 2], hz: Some(9.0), ..MOTORS }).unwrap();
     assert!(found.confirmed(), "{:?}", found.fails);
     assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
 }

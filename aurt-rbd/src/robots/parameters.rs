@@ -17,8 +17,7 @@ const OF_BODIES: [&str; 3] = ["mass", "ipos", "inertia"];
 const OF_DRIVES: [&str; 5] = ["kp", "kv", "delay", "bias", "gain"];
 /// Keys of a parameter.
 const KEYS: [&str; 6] = ["frozen", "max_value", "min_value", "name", "nominal", "value"];
-const SYSID: &str =
-    "is no line that `ParameterDict.save_to_disk` writes; name params_x_hat.yaml of mujoco.sysid";
+const SYSID: &str = "is not a line of `ParameterDict.save_to_disk`; name params_x_hat.yaml of mujoco.sysid";
 /// Remedy for names that state nothing.
 const RENAME: &str = "rename it, or write the identified model with `MjSpec.to_file` and name that file";
 
@@ -40,7 +39,7 @@ impl Parameter {
         })
     }
 
-    /// What is wrong with its numbers.
+    /// The fault of its numbers, if they have one.
     fn wrong(&self, quantity: &str) -> Option<String> {
         let counts: &[usize] = match quantity {
             "inertia" => &[1, 4, 10],
@@ -54,7 +53,7 @@ impl Parameter {
         let value = self.values[0];
         let is_mass = quantity == "mass" || quantity == "inertia" && self.values.len() < 10;
         let is_wrong = is_mass && value <= 0.0 || OF_JOINTS.contains(&quantity) && value < 0.0;
-        is_wrong.then(|| format!("{value} is not above zero, and no {quantity} of a robot"))
+        is_wrong.then(|| format!("has the value {value}, which no {quantity} of a robot has"))
     }
 }
 
@@ -150,6 +149,11 @@ impl ParameterFile {
         self.of(&OF_BODIES).map(|(p, ..)| p.name.as_str())
     }
 
+    /// The names of the parameters that keep what the description has.
+    pub fn frozen(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().filter(|p| p.is_frozen).map(|p| p.name.as_str())
+    }
+
     /// The number of a quantity of a joint, or else of all, and the name of the parameter.
     #[must_use]
     pub fn value(&self, joint: &str, quantity: &str) -> Option<(f64, &str)> {
@@ -188,7 +192,7 @@ impl ParameterFile {
             }
             kept.extend((quantity == "inertia" && p.values.len() < 10).then_some(p.name.as_str()));
         }
-        let frozen = self.parameters.iter().filter(|p| p.is_frozen).map(|p| p.name.as_str()).collect();
+        let frozen = self.frozen().collect();
         let unscaled =
             "`scale_rot_inertia` is not in the file, and the inertia about the centre of mass stays";
         for (what, names) in [("frozen parameters are not applied", frozen), (unscaled, kept)] {
@@ -202,7 +206,7 @@ impl ParameterFile {
 fn corrected(link: &TreeLink, quantity: &str, values: &[f64]) -> Result<Body, &'static str> {
     let frame = link.place.map_or_else(Pose::identity, |place| place.frame);
     if let Ok(theta) = <[f64; 10]>::try_from(values) {
-        return of_log_cholesky(theta, &frame).ok_or("is no body of finite mass and inertia");
+        return of_log_cholesky(theta, &frame).ok_or("gives a body without finite mass and inertia");
     }
     let mut body = link.body.ok_or("the body has no inertia to correct; identify `InertiaType.Pseudo`")?;
     let (mass, centre) = if quantity == "ipos" { (body.mass_kg, values) } else { (values[0], &values[1..]) };
@@ -276,14 +280,14 @@ mod tests {
             (value("link1_mas", "1.0"), "ends in no quantity; known are armature, damping"),
             (value("damping", ".nan"), "p.yaml:3: - .nan: has no finite numbers"),
             (value("damping", "inf"), "p.yaml:3: - inf: has no finite numbers"),
-            (value("elbow_1_damping", "-1.0"), "-1 is not above zero"),
-            (value("fore_mass", "0.0"), "0 is not above zero, and no mass"),
+            (value("elbow_1_damping", "-1.0"), "has the value -1, which no damping"),
+            (value("fore_mass", "0.0"), "has the value 0, which no mass"),
             (value("fore_inertia", "1.0\n  - 2.0"), "has 2 numbers, and may have [1, 4, 10]"),
-            (value("fore_inertia", &("999".to_owned() + &"\n  - 0".repeat(9))), "no body of finite mass"),
+            (value("fore_inertia", &("999".to_owned() + &"\n  - 0".repeat(9))), "without finite mass"),
             ("damping:\n".to_owned(), "has 0 numbers, and may have [1]"),
             (
                 "damping:\n  volume: 1\n".to_owned(),
-                "p.yaml:2: volume: 1: is no line that `ParameterDict.save_to_disk`",
+                "p.yaml:2: volume: 1: is not a line of `ParameterDict.save_to_disk`",
             ),
             ("{\"damping\": 1}".to_owned(), "params_x_hat.yaml"),
         ] {

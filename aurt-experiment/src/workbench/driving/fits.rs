@@ -16,7 +16,7 @@ pub(super) struct Fit {
     pub kind: &'static str,
     /// One for each joint; surroundings (stops, loads) are not part of it.
     pub joints: Vec<(PositionServo, Mechanics)>,
-    /// Whether zeros are part of it.
+    /// True where zeros of the joints are part of it.
     pub has_zeros: bool,
     /// What of it has no counterpart or another meaning.
     pub lost: Vec<String>,
@@ -50,7 +50,7 @@ pub(super) fn read(path: &Path, parameters: Option<&Path>, joints: &RobotJoints)
         .map_err(|e| Failure::unfit(path, format!("is neither MJCF nor JSON: {e}"), remedy))?;
     match value.as_object() {
         Some(_) if parameters.is_some() => {
-            let reason = "is no MJCF file, which --parameters corrects";
+            let reason = "is not an MJCF file; --parameters corrects only these";
             Err(Failure::unfit(path, reason, "leave out --parameters; PACE's `mean` is part of JSON itself"))
         }
         Some(table) if table.contains_key("kt") => bam(path, table, joints.count),
@@ -79,9 +79,13 @@ fn correct(fit: &mut Fit, parameters: &ParameterFile, names: &[String]) {
             }
         }
     }
+    let frozen = parameters.frozen().map(|name| format!("the parameter `{name}` is frozen and not applied"));
+    fit.lost.extend(frozen);
     let unused = parameters.of_drives().filter(|name| !used.contains(name)).chain(parameters.of_bodies());
     fit.lost.extend(
-        unused.map(|name| format!("the parameter `{name}` is of no joint's friction, gain or delay")),
+        unused.map(|name| {
+            format!("the parameter `{name}` does not belong to friction, gain or delay of a joint")
+        }),
     );
 }
 
@@ -133,7 +137,6 @@ pub(super) fn mjcf(
     let mut fit = Fit { kind: MJCF, joints: joints?, has_zeros: false, lost };
     if let Some(parameters) = parameters {
         correct(&mut fit, parameters, names);
-        fit.lost.extend(robot.notes.iter().filter(|note| note.contains("parameters")).cloned());
     }
     Ok(fit)
 }
@@ -260,7 +263,7 @@ fn pace(path: &Path, table: &Map<String, Value>) -> Result<Map<String, Value>, F
     let order = serde_json::from_value::<Vec<String>>(table.remove("joint_order").unwrap_or_default());
     let mean = serde_json::from_value::<Vec<f64>>(mean);
     let (Ok(order), Ok(mean)) = (order, mean) else {
-        let reason = "`mean` and `joint_order` are no list of numbers and list of names";
+        let reason = "`mean` and `joint_order` have to be a list of numbers and a list of names";
         return Err(Failure::unfit(path, reason, "write those of PACE's mean_….pt and config.pt"));
     };
     let joints = order.len();
@@ -452,7 +455,7 @@ mod tests {
         for (more, said) in [
             (r#""joint_order": ["hip"], "mean": [1, 2]"#, "has 2 numbers, and 1 joints have 5"),
             (r#""joint_order": ["hip"], "mean": [1, 2, 3, 4, 0]"#, "has no number for joint 1"),
-            (r#""mean": [1, 2]"#, "no list of numbers and list of names"),
+            (r#""mean": [1, 2]"#, "a list of numbers and a list of names"),
         ] {
             let refused = of(more).err().unwrap();
             assert!(refused.contains(said), "{refused}");
