@@ -52,7 +52,7 @@ pub(super) fn without_gears(
         let columns = question.model.base().columns.iter().copied();
         let inertial: Vec<(usize, f64)> = columns.zip(baseline.coefficients.iter().copied()).collect();
         let mut found = if turn == 0 {
-            find_gears(question, &fit, &inertial)?
+            find_gears(question, &fit, &inertial, joints)?
         } else {
             Gears { found: gears_anew(question, &fit, &inertial, &gears.found)?, ..gears.clone() }
         };
@@ -96,7 +96,7 @@ pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Re
     let fit = Fit { model: question.model, load: &found.baseline.load, coefficients: &own };
     let columns = question.model.base().columns.iter().copied();
     let inertial: Vec<(usize, f64)> = columns.zip(own.iter().copied()).collect();
-    find_gears(question, &fit, &inertial)
+    find_gears(question, &fit, &inertial, &(0..question.model.joints()).collect::<Vec<_>>())
 }
 
 /// The recordings without the torque of what was found, unfiltered.

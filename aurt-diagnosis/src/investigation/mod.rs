@@ -230,6 +230,12 @@ fn punctual(
         return Ok(Punctual { examination: first, recordings: question.recordings.to_vec(), without });
     }
     without.push(DELAY.id.to_owned());
+    if found.is_some()
+        && let Some(examination) =
+            elastic_instead(&Question { without: &without, ..*question }, registry, progress)?
+    {
+        return Ok(Punctual { examination, recordings: question.recordings.to_vec(), without });
+    }
     let recordings = match &found {
         Some(delay) => {
             progress("shifting the measurement back");
@@ -242,6 +248,27 @@ fn punctual(
     let mut examination = examine(&again, registry, &[], progress)?;
     examination.investigation.late = found.map(|delay| Late { delay, before: Box::new(first.investigation) });
     Ok(Punctual { examination, recordings, without })
+}
+
+/// The examination of measurements whose delay is the lag of gears: beside those that are there, nothing is late any more. One
+/// gear follows a part of a delay on its joint, and leaves that of the others.
+fn elastic_instead(
+    question: &Question<'_>,
+    registry: &Registry,
+    progress: &mut impl FnMut(&str),
+) -> Result<Option<Examination>, DiagnosisError> {
+    progress("simulating links instead of a delay");
+    let mut rigid = examine(question, registry, &[], progress)?;
+    let examined = &Question { recordings: &rigid.recordings, ..*question };
+    earn(examined, &mut rigid.investigation)?;
+    let gears = gears_beside(examined, &rigid.investigation)?;
+    let confirmed: Vec<usize> = gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect();
+    if confirmed.is_empty() {
+        return Ok(None);
+    }
+    let elastic = examine(question, registry, &confirmed, progress)?;
+    let freed = &Question { recordings: &elastic.recordings, ..*question };
+    Ok(Delay::found(freed, &elastic.investigation)?.is_none().then_some(rigid))
 }
 
 /// The travel of each joint below which positions are not told apart in the coarsest recording: the step of the encoder,

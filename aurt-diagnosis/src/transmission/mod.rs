@@ -105,8 +105,9 @@ struct Piece<'a> {
 /// A stretch between gaps that is shorter than this has too few blocks of time, and filters may not fit into it, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// Recordings of fewer samples per second do not resolve impacts: what is high in them is the upper end of the motion.
-pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
+/// Of recordings with fewer samples per second the rows do not reach to where those for play end: up to a fifth of the rate differences
+/// are derivatives.
+pub(crate) const LEAST_RATE_HZ: f64 = PLAY_TOP_HZ / rows::OF_RATE;
 
 /// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.
 const MOST_GEARS: usize = 3;
@@ -126,8 +127,8 @@ const PLAY_PRICE: f64 = 5.0;
 /// whitening and a wrong shape cost about as much.
 const VISIBLE_GAIN: f64 = 4.0 * LEAST_GAIN;
 
-/// Looks for gears that give way or have play in all recordings that are not for validation and have at least 200 samples
-/// per second.
+/// Looks for gears that give way or have play in all recordings that are not for validation and have enough samples per
+/// second. Only what joints of `among` show is taken to be there: a link that rings shakes its neighbours, whose gears imitate it.
 ///
 /// # Errors
 /// What the model and the filters report.
@@ -135,6 +136,7 @@ pub fn find_gears(
     question: &Question<'_>,
     fit: &Fit<'_>,
     inertial: &[(usize, f64)],
+    among: &[usize],
 ) -> Result<Gears, DiagnosisError> {
     let effects = [&joint_elasticity::EFFECT, &backlash::EFFECT].map(|e| question.considers(e));
     if !effects.contains(&true) {
@@ -175,9 +177,10 @@ pub fn find_gears(
         if gears.found.is_empty() {
             gears.visible = visible(&open, &of_joints);
         }
-        let clearest = round.first().filter(|g| g.confirmed && gears.found.len() < MOST_GEARS).cloned();
+        let is_taken = |g: &Shaking| g.confirmed && among.contains(&g.joint);
+        let clearest = round.iter().find(|g| is_taken(g) && gears.found.len() < MOST_GEARS).cloned();
         let Some(clearest) = clearest else {
-            round.retain(|g| !g.confirmed);
+            round.retain(|g| !is_taken(g));
             gears.found.extend(round);
             return Ok(gears);
         };

@@ -12,7 +12,7 @@ use crate::error::DiagnosisError;
 /// Rows end at this share of the cut-off of the positions' filter: there it still passes 0.86 of the motion.
 const OF_POSITION_CUTOFF: f64 = 0.8;
 /// … and of the sampling rate: above, differences are no derivatives.
-const OF_RATE: f64 = 0.2;
+pub(super) const OF_RATE: f64 = 0.2;
 /// Rows per period of the highest frequency: the filter passes 1 % at half the row rate.
 const ROWS_PER_PERIOD: f64 = 3.6;
 /// Memory of the whitening filter, s: two periods of 10 Hz.
