@@ -8,6 +8,9 @@
 //!   `velocity_exponent`: n, 1.2–3, or
 //! - `saturation_nm`: F_vs ≥ 0, Nm, and `saturation_velocity_rad_s`: v_s, rad/s, usually 0.1–1.
 //!
+//! A change has F_vs of either sign and a straight line beside it, `viscous_nm_s`, Nm s/rad: what became less in the middle may have
+//! become more at the ends.
+//!
 //! # How it shows
 //! The residual is curved against velocity and odd in it: of one sign at medium speed, of the other at high
 //! speed, since a straight line was already taken out.
@@ -64,8 +67,10 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("velocity_exponent", Unit::One),
         Parameter::new("saturation_nm", Unit::Torque),
         Parameter::new("saturation_velocity_rad_s", Unit::Velocity),
+        Parameter::new("viscous_nm_s", Unit::Damping),
     ],
     generalises: &[&viscous::EFFECT],
+    is_essential: |coefficient| coefficient == 0,
     propose,
     estimate: Some(estimate),
     ..Effect::FRICTION
@@ -75,15 +80,21 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let (absent, sign) = (json!({"model": "absent"}), json!({"model": "sign"}));
     let power = |j: usize| {
         let law = json!({"model": "power_law", "exponent": EXPONENT});
-        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(POWER)
+        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(POWER).of_all()
     };
     let saturating = |j: usize, velocity: f64| {
         let law = json!({"model": "saturating", "saturation_velocity_rad_s": velocity});
-        Proposal::stack(j, absent.clone(), sign.clone(), law).bound(&[true]).shaped(SATURATION)
+        Proposal::stack(j, absent.clone(), sign.clone(), law).bound(&[true]).shaped(SATURATION).of_all()
+    };
+    // The straight line of the model is that of all recordings: a change of the curve needs one of its own, and has either sign.
+    let changed = |j: usize, velocity: f64| {
+        let law = json!({"model": "saturating", "saturation_velocity_rad_s": velocity, "linear": true});
+        Proposal::stack(j, absent.clone(), sign.clone(), law).shaped(SATURATION).of_targets()
     };
     let on = |j: usize| {
         let mut proposals = vec![power(j)];
         proposals.extend(SATURATION_VELOCITIES_RAD_S.map(|v| saturating(j, v)));
+        proposals.extend(SATURATION_VELOCITIES_RAD_S.map(|v| changed(j, v)));
         proposals
     };
     (0..context.joints).flat_map(on).collect()
@@ -95,6 +106,9 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Pa
     let mut parameters = proposal.fixed_parameters();
     if let Some((_, value, std)) = fitted.first() {
         parameters.insert(name.to_owned(), ParameterValue::new(*value, *std));
+    }
+    if let Some((_, value, std)) = fitted.get(1) {
+        parameters.insert("viscous_nm_s".to_owned(), ParameterValue::new(*value, *std));
     }
     parameters
 }

@@ -24,7 +24,7 @@ pub(crate) fn groups(
     for (index, candidate) in candidates.iter().enumerate() {
         for target_only in [false, true] {
             let wanted = match candidate.proposal.presence {
-                Presence::Known => !target_only && reference,
+                Presence::Known | Presence::Structure => !target_only && reference,
                 Presence::Change => target_only && target,
                 Presence::Any if target_only => target,
                 Presence::Any => reference,

@@ -212,7 +212,7 @@ pub(crate) fn share_left(investigation: &Investigation, candidate: usize) -> Opt
     (!ties_joints && candidate.registered.is_none()).then(|| match candidate.proposal.presence {
         Presence::Change if investigation.problem.has_target() => free[1],
         Presence::Change => 0.0,
-        Presence::Any | Presence::Known => free[0].max(free[1]),
+        Presence::Any | Presence::Known | Presence::Structure => free[0].max(free[1]),
     })
 }
 

@@ -34,6 +34,8 @@ pub enum Presence {
     Any,
     /// Tried in the target recordings alone: a change.
     Change,
+    /// Tried in all recordings alone: what the robot has.
+    Structure,
     /// Known to be in all recordings from the calibration recordings alone: in every model of the targets.
     Known,
 }
@@ -110,6 +112,11 @@ impl Proposal {
     /// The same in the target recordings only.
     pub(crate) fn of_targets(self) -> Self {
         Self { presence: Presence::Change, ..self }
+    }
+
+    /// The same in all recordings only.
+    pub(crate) fn of_all(self) -> Self {
+        Self { presence: Presence::Structure, ..self }
     }
 
     /// The same with a parameter that the recordings decide; the term holds the value to start from.
