@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    case::Truth,
+    case::{CaseType, Truth},
     product::Failure,
     score::{CaseScore, Claim, ClaimSet, score},
 };
@@ -64,13 +64,39 @@ pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<V
     Ok(scores)
 }
 
+/// What is claimed of a robot without concealed effects.
+struct KnownClaims {
+    /// Of the reference itself.
+    own: Claim,
+    /// The same, and the structure that other references of this robot show: which of them passes a test is a matter of chance, and
+    /// whether the robot has it, is not.
+    elsewhere: Claim,
+}
+
+/// The claims of a reference, and those of structure of the other references of the same robot.
+fn elsewhere(place: &Path, name: &str, own: &Claim, whose: &Verdicts) -> Result<Claim, Failure> {
+    let robot =
+        |name: &str| name.split("_all_").next().and_then(|n| n.split("_changed_").next()).map(str::to_owned);
+    let mut known = own.clone();
+    let entries = fs::read_dir(place).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    for other in names.iter().filter_map(|folder| folder.strip_prefix(&reference_folder(""))) {
+        if other != name && robot(other) == robot(name) {
+            let claim = claim(&place.join(reference_folder(other)), whose)?;
+            known.effects.extend(claim.into_iter().flat_map(|c| c.effects).filter(|e| !e.is_change()));
+        }
+    }
+    Ok(known)
+}
+
 /// The same of a proof that may not have come to its first verdict.
 ///
 /// # Errors
 /// Files that cannot be read.
 pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
     let mut scores = Vec::new();
-    let mut references: BTreeMap<String, Option<Claim>> = BTreeMap::new();
+    let mut references: BTreeMap<String, Option<KnownClaims>> = BTreeMap::new();
     for path in truths(sealed)? {
         let truth = Truth::read(&path)?;
         let Some(claim) = claim(&verdicts.join(&truth.case), whose)? else { continue };
@@ -83,11 +109,17 @@ pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result
                         }
                         _ => (verdicts, whose),
                     };
-                    references.insert(name.clone(), self::claim(&place.join(reference_folder(name)), of)?);
+                    let own = self::claim(&place.join(reference_folder(name)), of)?;
+                    let known = match own {
+                        Some(own) => Some(KnownClaims { elsewhere: elsewhere(place, name, &own, of)?, own }),
+                        None => None,
+                    };
+                    references.insert(name.clone(), known);
                 }
                 // Without it nothing says what is news.
                 match references.get(name).and_then(Option::as_ref) {
-                    Some(claim) => Some(claim),
+                    Some(known) if truth.case_type == CaseType::Null => Some(&known.own),
+                    Some(known) => Some(&known.elsewhere),
                     None => continue,
                 }
             }
