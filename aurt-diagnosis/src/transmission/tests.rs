@@ -13,7 +13,6 @@ use super::series::FullRate;
 use super::shape::Shape;
 use crate::noise::inertia::InertiaColumns;
 
-const RATE_HZ: f64 = 500.0;
 const SECONDS: f64 = 30.0;
 /// M of two joints, kg m².
 const INERTIA: [[f64; 2]; 2] = [[2.0, 0.4], [0.4, 0.5]];
@@ -38,6 +37,7 @@ const SINES: [(f64, f64); 7] =
 /// Motion and recording of two motors.
 #[derive(Clone, Copy)]
 struct Motors {
+    rate_hz: f64,
     encoder_noise_rad: [f64; 2],
     /// The resonance of the link of joint 0, or a rigid gear.
     hz: Option<f64>,
@@ -46,7 +46,8 @@ struct Motors {
     sines: usize,
 }
 
-const MOTORS: Motors = Motors { encoder_noise_rad: [1e-6; 2], hz: None, f_dyn_hz: 10.0, sines: SINES.len() };
+const MOTORS: Motors =
+    Motors { rate_hz: 500.0, encoder_noise_rad: [1e-6; 2], hz: None, f_dyn_hz: 10.0, sines: SINES.len() };
 
 /// The motors' angles and accelerations.
 fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
@@ -59,13 +60,13 @@ fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
 
 /// The gear of joint 0 as it is found. Its link on a spring is integrated ten times finer than it is recorded.
 fn searched(motors: Motors) -> Option<Found> {
-    let Motors { encoder_noise_rad, hz, f_dyn_hz, sines } = motors;
-    let samples = (SECONDS * RATE_HZ) as usize;
+    let Motors { rate_hz, encoder_noise_rad, hz, f_dyn_hz, sines } = motors;
+    let samples = (SECONDS * rate_hz) as usize;
     let mut noise = normal(3);
     let (mut x, mut v) = (0.0, 0.0);
     let mut recording = Recording {
         file: "made".into(),
-        time_s: (0..samples).map(|k| k as f64 / RATE_HZ).collect(),
+        time_s: (0..samples).map(|k| k as f64 / rate_hz).collect(),
         position_rad: vec![Vec::new(); 2],
         velocity_rad_s: None,
         measurement: Some(vec![Vec::new(); 2]),
@@ -75,13 +76,13 @@ fn searched(motors: Motors) -> Option<Found> {
     };
     let mut measured = vec![Vec::new(); 2];
     for k in 0..samples {
-        let t = k as f64 / RATE_HZ;
+        let t = k as f64 / rate_hz;
         let acceleration = [0, 1].map(|j| motion(sines, j, t)[1]);
         let mut link = 0.0;
         if let Some(hz) = hz {
             let (stiffness, damping) =
                 (INERTIA[0][0] * (TAU * hz).powi(2), 2.0 * 0.03 * INERTIA[0][0] * TAU * hz);
-            let h = 0.1 / RATE_HZ;
+            let h = 0.1 / rate_hz;
             for step in 0..10 {
                 let at = t + h * f64::from(step);
                 let load: f64 = (0..2).map(|i| INERTIA[0][i] * motion(sines, i, at)[1]).sum();
@@ -164,4 +165,16 @@ fn a_gear_is_found_beneath_the_noise_of_encoders() {
     let found = searched(Motors { encoder_noise_rad: [1e-5; 2], hz: Some(9.0), ..MOTORS }).unwrap();
     assert!(found.confirmed(), "{:?}", found.fails);
     assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
+}
+
+#[test]
+fn a_soft_gear_is_found_at_the_least_rate() {
+    let slow = Motors { rate_hz: super::LEAST_RATE_HZ, f_dyn_hz: 2.5, sines: 4, ..MOTORS };
+    let found = searched(Motors { hz: Some(4.0), ..slow }).unwrap();
+    assert!(found.confirmed(), "{:?}", found.fails);
+    assert!((found.shape.hz / 4.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
+    for noise_rad in [1e-6, 1e-4] {
+        let found = searched(Motors { encoder_noise_rad: [noise_rad; 2], ..slow });
+        assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
+    }
 }
