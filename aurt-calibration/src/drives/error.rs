@@ -3,31 +3,22 @@ use thiserror::Error;
 /// Why a drive cannot be simulated or estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum DriveError {
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// What was counted.
-        what: &'static str,
-        /// The number that is right.
-        expected: usize,
-        /// The number that was found.
-        found: usize,
-    },
+    Count { what: &'static str, expected: usize, found: usize },
     /// A number outside its bounds.
     #[error("`{name}` must lie within {} and {}, is {value}", bounds[0], bounds[1])]
     Bounds {
         /// Its name, with the joint.
         name: String,
-        /// Its value.
         value: f64,
-        /// The least and the greatest that is allowed.
         bounds: [f64; 2],
     },
     /// A number to be estimated that the model does not have.
     #[error("there is no number `{name}` to estimate; known: {known}")]
     Unknown {
-        /// What was asked for.
         name: String,
         /// What there is, comma separated.
         known: String,
@@ -43,7 +34,6 @@ pub enum DriveError {
     Recording {
         /// Its place in the list, from 0.
         recording: usize,
-        /// What is wrong.
         reason: String,
     },
     /// Pieces that are too short.
@@ -53,7 +43,6 @@ pub enum DriveError {
     ShortPieces {
         /// The length that was asked for, in s.
         piece_s: f64,
-        /// Rows that a piece needs.
         rows: usize,
         /// The length that they take, in s.
         least_s: f64,
@@ -65,7 +54,6 @@ pub enum DriveError {
     Diverged {
         /// Its place in the list, from 0.
         recording: usize,
-        /// When.
         time_s: f64,
     },
     /// Held-out recordings that are too short to decide anything.
