@@ -99,7 +99,6 @@ pub(crate) struct Setting<'a> {
     pub options: &'a CalibrationOptions,
 }
 
-/// What a solution was fitted to.
 pub(crate) struct FittedTo<'a> {
     /// The recordings, where they are available to be looked at again.
     pub rows: Option<Observed<'a>>,

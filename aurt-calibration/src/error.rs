@@ -9,10 +9,8 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum CalibrationError {
-    /// A model could not be evaluated.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A recording could not be preprocessed.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The recordings hold too few rows for the number of parameters (the paper asks for M > n_p).
@@ -41,10 +39,8 @@ pub enum CalibrationError {
     /// Two factors over different columns cannot be merged.
     #[error("factors over {left} and {right} columns cannot be merged")]
     Columns { left: usize, right: usize },
-    /// A prior that cannot be used.
     #[error(transparent)]
     Prior(#[from] crate::consistent::PriorError),
-    /// No consistent estimate was found.
     #[error(
         "no physically consistent bodies, rotors and friction were found for these recordings; `estimator = \"wls\"` \
          shows the unconstrained estimate"
@@ -74,7 +70,6 @@ pub enum CalibrationError {
          its normal variation; add recordings, or use shorter windows with --window-s"
     )]
     TooFewWindows { found: usize, needed: usize },
-    /// Nothing to calibrate on.
     #[error("no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,
     /// The fit produced a value that is not a number.

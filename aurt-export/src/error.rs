@@ -6,7 +6,6 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum ExportError {
-    /// Predictions are no torques.
     #[error(
         "the model predicts currents in A, and the target needs torques in Nm; write `torque_constants_nm_per_a` \
          in the table `robot` of the experiment and calibrate again"
@@ -36,7 +35,6 @@ pub enum ExportError {
          `estimator = \"consistent\"`"
     )]
     NoBodies,
-    /// The standard parameters are those of no machine.
     #[error(
         "the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`"
     )]
@@ -44,10 +42,8 @@ pub enum ExportError {
     /// A number of values does not fit the model.
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: &'static str, expected: usize, found: usize },
-    /// A coefficient is not finite.
     #[error("the coefficient `{name}` is {value}; calibrate again")]
     NotFinite { name: String, value: f64 },
-    /// A model cannot be described.
     #[error("{place}: its model cannot be described: {source}")]
     Description { place: String, source: serde_json::Error },
     /// Accelerations have no solution.
@@ -59,13 +55,11 @@ pub enum ExportError {
         /// Joint positions, rad or m.
         position: String,
     },
-    /// An archive cannot be made.
     #[error("the archive of the FMU cannot be made: {0}")]
     Archive(#[from] zip::result::ZipError),
     /// A file to be corrected cannot be read as a robot.
     #[error(transparent)]
     Robot(aurt_rbd::robots::RobotErrors),
-    /// A file to be corrected is no XML.
     #[error("the file is no well-formed XML: {0}")]
     Xml(roxmltree::Error),
     /// A file to be corrected describes another chain than the model.
@@ -97,7 +91,6 @@ pub enum ExportError {
          `inertiafromgeom=\"auto\"` in <compiler>"
     )]
     FromShapes,
-    /// The rigid bodies.
     #[error(transparent)]
     RigidBody(#[from] RbdError),
 }

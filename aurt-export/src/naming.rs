@@ -101,7 +101,6 @@ pub(crate) fn joint_names(
         .collect()
 }
 
-/// Text for an attribute of XML.
 pub(crate) fn attribute(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -39,7 +39,6 @@ impl Strength {
         }
     }
 
-    /// The name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -8,8 +8,8 @@ use crate::{Node, Span, listing::LibraryListing, place, suggestion};
 /// Why a library could not be loaded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages say all")]
 pub enum LibraryProblem {
-    /// There is no such file.
     #[error(
         "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
     )]
@@ -20,10 +20,8 @@ pub enum LibraryProblem {
          (`--plugin` with its path, or `--allow-plugins`) or from now on (`aurt trust` with its path)"
     )]
     NotTrusted,
-    /// The system does not load it.
     #[error("is not a library that this system can load: {0}")]
     NotALibrary(String),
-    /// It does not export the ABI's entry.
     #[error(
         "is a library, but no plugin: it does not export `{entry}`; a Rust crate exports it with \
          `aurt_traits::export_plugin!()`, a C file defines it",
@@ -33,18 +31,12 @@ pub enum LibraryProblem {
     /// It exports a function of that name that does not return a declaration.
     #[error("exports `{entry}`, but that does not return a plugin's declaration", entry = abi::ENTRY)]
     NoDeclaration,
-    /// It was built for another version of the ABI.
     #[error(
         "was built for version {major}.{minor} of the plugin interface, this program has version \
          {ours}.{our_minor}; build it again with this program's `aurt-traits` or `aurt_plugin.h`",
         ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
     )]
-    OtherVersion {
-        /// Its major version.
-        major: u32,
-        /// Its minor version.
-        minor: u32,
-    },
+    OtherVersion { major: u32, minor: u32 },
     /// Its declaration contradicts the ABI.
     #[error("has a faulty declaration: {0}")]
     Faulty(String),
@@ -73,10 +65,8 @@ pub enum Error {
     /// A dynamic library could not be loaded.
     #[error("the library {path} {problem}", path = path.display())]
     Library { path: PathBuf, problem: LibraryProblem },
-    /// The list of trusted libraries is damaged.
     #[error("{path}: {reason}; mend or delete it (`aurt trust LIBRARY` writes it)", path = path.display())]
     TrustList { path: PathBuf, reason: String },
-    /// A new plugin cannot have that name.
     #[error("`{name}` cannot be the name of a plugin: it {reason}")]
     PluginName { name: String, reason: &'static str },
     /// A file could not be written.
@@ -89,10 +79,8 @@ pub enum Error {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum BuildError {
-    /// The configuration is no table.
     #[error("expected a table such as {{ model = \"…\" }}, found {found}")]
     NoTable { slot: Slot, found: &'static str, span: Span },
-    /// The table lacks its `model` key, or that is no string.
     #[error("the table lacks `model`, the name of the {slot} model", slot = slot.name())]
     NoModelKey {
         slot: Slot,
@@ -100,7 +88,6 @@ pub enum BuildError {
         known: Vec<String>,
         span: Span,
     },
-    /// No model of that slot has that name.
     #[error("there is no {slot} model `{name}`", slot = slot.name())]
     UnknownModel {
         slot: Slot,

@@ -27,14 +27,8 @@ pub enum RbdError {
         joint: usize,
         name: String,
     },
-    /// A joint beside the chain behind one that is not there.
     #[error("the joint `{}` beside the chain is behind a joint that is none of the {joints}", name.escape_debug())]
-    Branch {
-        name: String,
-        /// Joints of the chain.
-        joints: usize,
-    },
-    /// A chain without joints.
+    Branch { name: String, joints: usize },
     #[error("a chain needs at least one joint")]
     NoJoints,
     /// More joints than any robot has.
@@ -46,7 +40,6 @@ pub enum RbdError {
          calibrated, validated, predicted and diagnosed, but not exported"
     )]
     Coupled { joints: usize, followers: usize },
-    /// A tree where a chain is needed.
     #[error(
         "joint {joint} does not sit on the link of the joint before it: this robot is a tree, and a chain is needed; choose one \
          by its tip"
@@ -103,7 +96,6 @@ pub enum MdhError {
     /// There is no header, or no row below it.
     #[error("{}: {reason}; a table starts with a line `alpha,a,d`, then one row per joint", path.display())]
     Empty { path: PathBuf, reason: &'static str },
-    /// More rows than any arm has joints.
     #[error(
         "{}:{line}: there are more than {most} rows, one joint a row; this table is no arm's", path.display()
     )]
@@ -114,7 +106,6 @@ pub enum MdhError {
          put a line such as `alpha,a,d` above it", path.display()
     )]
     MissingHeader { path: PathBuf, line: usize, text: String },
-    /// A column that every table needs is not there.
     #[error(
         "{}:{line}: there is no column `{column}` (found: {}); \
          the columns alpha (rad), a (m) and d (m) are needed, in any order",

@@ -17,10 +17,8 @@ pub enum RecordingError {
         #[source]
         source: std::io::Error,
     },
-    /// The path is a directory.
     #[error("{path} is a directory, not a recording; {remedy}", path = path.display(), remedy = in_folder(path, inside))]
     Directory { path: PathBuf, inside: Vec<String> },
-    /// The file has no rows.
     #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample", path = path.display())]
     NoRows { path: PathBuf, found: String },
     /// The first line is data, and no columns were selected.
@@ -32,7 +30,6 @@ pub enum RecordingError {
         row = if *line == 0 { "" } else { " line" }
     )]
     Headerless { path: PathBuf, line: usize, columns: usize },
-    /// A column that is needed is not there.
     #[error(
         "{path}{at}: no column for {what}{wanted}; the file has {known}{likely}",
         path = path.display(),
@@ -164,7 +161,6 @@ pub enum RecordingError {
         found: usize,
         remedy: String,
     },
-    /// The last line breaks off.
     #[error(
         "{path}, line {line}: the last line breaks off ({reason}); the recording was probably cut while it was written: \
          delete that line",
@@ -227,7 +223,6 @@ pub enum RecordingError {
         "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must lie between 0.0001 and 0.9999 of half the rate"
     )]
     Cutoff { cutoff_hz: f64, rate_hz: f64 },
-    /// A preprocessing cut-off at or above half the sampling rate.
     #[error(
         "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate} Hz / 2); {remedy}",
         path = path.display(),
@@ -254,7 +249,6 @@ pub enum RecordingError {
         after: &'static str,
         remedy: String,
     },
-    /// Nothing moves.
     #[error(
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
          so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s",
@@ -315,7 +309,6 @@ fn at(line: usize) -> String {
     if line == 0 { String::new() } else { format!(", line {line}") }
 }
 
-/// What to name in the place of a folder.
 fn in_folder(folder: &Path, inside: &[String]) -> String {
     match inside {
         [] => "name a file in it (or the folder of a LeRobot data set, which has meta/info.json)".into(),

@@ -25,7 +25,6 @@ use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
-/// Bytes that this may have.
 const INFO_LIMIT: u64 = 64 << 20;
 /// The feature with the positions.
 const STATE: &str = "observation.state";
@@ -292,7 +291,6 @@ fn plain(name: &str) -> &str {
     name.strip_prefix("main_").or_else(|| name.strip_prefix("follower_")).unwrap_or(name)
 }
 
-/// The Parquet files in a folder and the folders in it.
 fn collect(folder: &Path, deepest: usize, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -342,7 +340,6 @@ fn joined(mut before: Recording, next: Recording) -> Recording {
     before
 }
 
-/// The next recording with the report on it and on what was before.
 fn after(before: &Recording, mut next: Recording) -> Recording {
     let (of_all, report) = (&before.report, &mut next.report);
     report.dropped.iter_mut().for_each(|row| row.line += of_all.rows);

@@ -113,7 +113,6 @@ fn open(
     Ok((name, Header::read(&mut source)))
 }
 
-/// The name of the array in the entry of that name.
 fn name_of(entry: &[u8]) -> String {
     String::from_utf8_lossy(entry.strip_suffix(b".npy").unwrap_or(entry)).into_owned()
 }

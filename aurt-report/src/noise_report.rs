@@ -12,9 +12,7 @@ use crate::{
 /// A joint's error with the claimed effects, against its noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoiseState {
-    /// No rows judge it.
     NotJudged,
-    /// Noise explains it.
     WithinNoise,
     /// It exceeds the noise floor, and no structure is claimed in it.
     AboveNoise,
@@ -27,9 +25,7 @@ pub enum NoiseState {
 pub struct JointNoise {
     /// Without the claimed effects.
     pub before: Option<f64>,
-    /// With them.
     pub after: Option<f64>,
-    /// The state with them.
     pub state: NoiseState,
 }
 
@@ -83,7 +79,6 @@ impl NoiseReport {
         Self { is_held_out, joints: (0..joints).map(error).collect() }
     }
 
-    /// The joints in that state.
     #[must_use]
     pub fn in_state(&self, state: NoiseState) -> Vec<usize> {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state == state).collect()

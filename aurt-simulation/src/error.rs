@@ -56,10 +56,8 @@ pub enum SimulationError {
     /// Two effects that cannot be in one simulation.
     #[error("effects {first} and {second} cannot act together on joint {joint}: {reason}")]
     Conflict { first: String, second: String, joint: usize, reason: String },
-    /// An effect identifier that is not known.
     #[error("unknown effect `{name}`{}; known are {}", meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", "))]
     UnknownEffect { name: String, meant: Option<String>, known: Vec<String> },
-    /// A robot name that is not known.
     #[error("unknown robot `{name}`; known are {}", known.join(", "))]
     UnknownRobot { name: String, known: Vec<String> },
     /// The plant has a mode faster than the smallest integration step can follow.
@@ -71,7 +69,6 @@ pub enum SimulationError {
     /// The motion went away from its command or stopped being finite.
     #[error("the simulated motion of joint {joint} left its command at {time_s:.3} s: {reason}")]
     Diverged { joint: usize, time_s: f64, reason: String },
-    /// An iteration did not settle.
     #[error("{what} did not settle within {iterations} iterations at {time_s:.3} s (change {change:.1e})")]
     NotSettled { what: &'static str, iterations: usize, change: f64, time_s: f64 },
     /// A plan, verdict or truth that cannot be read.
@@ -94,13 +91,10 @@ pub enum SimulationError {
         path: PathBuf,
         source: std::io::Error,
     },
-    /// A simulated recording cannot be preprocessed.
     #[error("the simulated recording cannot be preprocessed: {reason}")]
     Preprocessing { reason: String },
-    /// The rigid bodies refused.
     #[error(transparent)]
     RigidBody(#[from] RbdError),
-    /// A model refused.
     #[error(transparent)]
     Model(#[from] aurt_traits::ModelError),
     /// Several things are wrong.

@@ -30,20 +30,15 @@ pub enum Error {
     /// A robot, its models, or a file that holds them.
     #[error(transparent)]
     Model(Box<aurt_plugins::model::Error>),
-    /// A recording.
     #[error(transparent)]
     Recording(Box<RecordingError>),
-    /// Calibration, validation or prediction.
     #[error(transparent)]
     Calibration(Box<CalibrationError>),
-    /// Gains of the drives.
     #[error(transparent)]
     Gains(Box<GainsError>),
-    /// A simulation.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Simulation(Box<aurt_simulation::SimulationError>),
-    /// A diagnosis.
     #[error(transparent)]
     Diagnosis(Box<DiagnosisError>),
     /// A file or a model is not what is needed here.
@@ -74,7 +69,6 @@ pub enum Error {
         other_role: &'static str,
         likeness: Likeness,
     },
-    /// A given model and the recordings have different units.
     #[error(
         "the model is in {}, the recordings are in {}; with `torque_constants_nm_per_a` currents become torques; a model in A \
          goes with recordings in A", given.symbol(), recorded.symbol()

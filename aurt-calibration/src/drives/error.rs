@@ -10,12 +10,7 @@ pub enum DriveError {
     Count { what: &'static str, expected: usize, found: usize },
     /// A number outside its bounds.
     #[error("`{name}` must lie within {} and {}, is {value}", bounds[0], bounds[1])]
-    Bounds {
-        /// Its name, with the joint.
-        name: String,
-        value: f64,
-        bounds: [f64; 2],
-    },
+    Bounds { name: String, value: f64, bounds: [f64; 2] },
     /// A number to be estimated that the model does not have.
     #[error("there is no number `{name}` to estimate; known: {known}")]
     Unknown {
@@ -23,12 +18,8 @@ pub enum DriveError {
         /// What there is, comma separated.
         known: String,
     },
-    /// A limit to be estimated that has no start.
     #[error("`{name}` is to be estimated and has no start; give a value at which it acts")]
-    NoStart {
-        /// Its name, with the joint.
-        name: String,
-    },
+    NoStart { name: String },
     /// A recording that cannot be used.
     #[error("recording {recording}: {reason}")]
     Recording {
@@ -36,7 +27,6 @@ pub enum DriveError {
         recording: usize,
         reason: String,
     },
-    /// Pieces that are too short.
     #[error(
         "pieces of {piece_s:e} s have fewer than {rows} rows, from which their first velocity is taken; at least {least_s:.3} s are needed"
     )]
@@ -56,7 +46,6 @@ pub enum DriveError {
         recording: usize,
         time_s: f64,
     },
-    /// Held-out recordings that are too short to decide anything.
     #[error("the held-out recordings are too short to decide anything; at least {needed_s} s are needed")]
     TooShort {
         /// What is needed in s.

@@ -108,7 +108,6 @@ fn agreement(fitted: &Fitted<'_>, shift: &Shift) -> Result<Option<Hausman>, Cali
     }
 }
 
-/// The filter that the positions of a recording passed.
 fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {
     Ok(recording.data.report.position_filter()?)
 }

@@ -15,9 +15,7 @@ const STRIDE: usize = TILE_SAMPLES + 8;
 /// What writes columns beside the rigid bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'m> {
-    /// The stack of a joint.
     Stack { joint: usize, stack: &'m JointStack, first_column: usize },
-    /// An arm term.
     Term { term: &'m dyn ArmTerm, first_column: usize, rigid_body: &'m dyn RigidBodyRegressor },
 }
 

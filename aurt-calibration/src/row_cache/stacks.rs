@@ -23,7 +23,6 @@ struct StackSplits {
 enum Products {
     /// The Coulomb column is one: the hysteresis columns themselves.
     Same,
-    /// Others, or zeros.
     Other(Vec<Split>),
 }
 

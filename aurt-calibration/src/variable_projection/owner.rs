@@ -32,7 +32,6 @@ pub fn shapes_of(model: &RobotModel) -> Vec<String> {
 }
 
 impl Owner {
-    /// All owners of a model.
     pub(super) fn all(model: &RobotModel) -> Vec<Self> {
         let stacks = model.stacks().iter().enumerate().map(|(joint, stack)| {
             let parts: [(&str, Vec<ShapeParameter>); 3] = [

@@ -24,11 +24,9 @@ pub(super) struct Problem<'a> {
     acting: &'a [Vec<bool>],
     loads: &'a [LoadSeries],
     weights: Vec<f64>,
-    /// Columns of what has no shapes.
     fixed: Vec<SplitColumn>,
     /// Whether a coefficient occurs in the rows of one joint only.
     private: Vec<bool>,
-    /// The other coefficients.
     shared: Vec<usize>,
     evaluations: AtomicUsize,
 }

@@ -6,7 +6,6 @@ use super::{
 };
 use crate::CalibrationError;
 
-/// What a search found.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
     pub descent: Descent,

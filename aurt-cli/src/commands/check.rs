@@ -70,7 +70,6 @@ pub struct Check {
 }
 
 impl Check {
-    /// Checks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let plots = self.plots.folder()?;

@@ -66,7 +66,6 @@ impl LoadDependence {
 }
 
 impl CompileRd {
-    /// Compiles.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let mut inputs = vec![self.model_rbd.as_path()];
         inputs.extend(self.experiment.as_deref());

@@ -33,7 +33,6 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let progress = session.terminal.progress(1);

@@ -105,7 +105,6 @@ impl Diagnose {
         }
     }
 
-    /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let learnt = self.learnt.as_deref().map(Learnt::read).transpose()?;

@@ -87,7 +87,6 @@ pub enum Kind {
 }
 
 impl Excite {
-    /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = PlannedOutput::new("--out", &self.out, &self.which.inputs())?;
         out.check_rate_hz(self.rate_hz)?;

@@ -38,7 +38,6 @@ pub struct Explain {
 }
 
 impl Explain {
-    /// Explains.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let Some(name) = &self.name else { return Ok(listing(session)) };
         let wanted = name.trim().to_lowercase().replace(['-', ' '], "_");
@@ -94,7 +93,6 @@ fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
     }
 }
 
-/// What can be explained.
 fn listing(session: &Session<'_>) -> Report {
     let effects: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();

@@ -159,7 +159,6 @@ impl Export {
         }
     }
 
-    /// Exports.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;

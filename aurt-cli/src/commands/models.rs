@@ -20,7 +20,6 @@ pub const EXAMPLE_JOINTS: usize = 6;
 pub struct Models {}
 
 impl Models {
-    /// Lists.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let registry = &session.registry;
         let mut text = String::new();

@@ -105,7 +105,6 @@ fn parse_box(text: &str) -> Result<KeepOut, String> {
 }
 
 impl NextMotion {
-    /// Plans.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let inputs = [Some(&self.experiment), self.limits.as_ref(), self.model.as_ref()];

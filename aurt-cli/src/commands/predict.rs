@@ -46,7 +46,6 @@ pub struct Predict {
 }
 
 impl Predict {
-    /// Predicts.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
         // Once: it may be a pipe.

@@ -62,7 +62,6 @@ pub enum SeriesName {
 }
 
 impl SeriesName {
-    /// The format.
     pub const fn format(self) -> SeriesFormat {
         match self {
             Self::Parquet => SeriesFormat::Parquet,
@@ -72,7 +71,6 @@ impl SeriesName {
 }
 
 impl Run {
-    /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;

@@ -51,7 +51,6 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Simulates.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         match (&self.model, &self.scenario) {
             (_, Some(scenario)) => self.scenario(scenario, session),

@@ -64,7 +64,6 @@ pub struct Track {
 }
 
 impl Track {
-    /// Tracks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;

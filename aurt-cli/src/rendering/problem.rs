@@ -75,7 +75,6 @@ pub fn render(failure: &Failure, coloured: bool) -> String {
     text
 }
 
-/// What is wrong, as JSON.
 pub fn to_json(failure: &Failure) -> Value {
     problems_to_json(problems(failure))
 }

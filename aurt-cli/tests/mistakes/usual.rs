@@ -4,7 +4,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::world::World;
 
-/// A mistake of a user.
 pub struct Mistake {
     pub what: &'static str,
     pub make: fn(&mut World),

@@ -131,7 +131,6 @@ impl World {
         self.robot.push(format!("{key} = {value}"));
     }
 
-    /// Columns of the table by name.
     pub fn column(&mut self, name: &str, change: impl Fn(&str) -> String) {
         let at = self.table[0].iter().position(|n| n == name).unwrap();
         for row in &mut self.table[1..] {

@@ -38,38 +38,29 @@ use crate::doctor::{
 const DEFAULT_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 
-/// What is known of the robot.
 #[derive(Debug, Clone, Copy)]
 pub enum Known<'a> {
-    /// Nothing.
     Nothing,
     /// A table, and the gravitational acceleration in its base frame, m/s².
     Table(&'a MdhTable, [f64; 3]),
-    /// Its rigid bodies.
     Bodies(&'a Arc<dyn RigidBodyRegressor>),
-    /// An experiment.
     Experiment(&'a Experiment),
 }
 
 /// A recording that is to be checked.
 #[derive(Debug, Clone)]
 pub enum Given {
-    /// A file.
     File(Box<Source>),
-    /// A recording in memory.
     Recording(Arc<Recording>),
 }
 
-/// What is to be checked.
 #[derive(Debug)]
 pub struct Question<'a> {
-    /// The robot.
     pub robot: Known<'a>,
     /// Recordings to be calibrated on together; those of an experiment are checked beside them.
     pub recordings: Vec<Given>,
     /// Highest frequency of the robot's dynamics, Hz, if it is asked for.
     pub f_dyn_hz: Option<f64>,
-    /// The models that can be named.
     pub registry: &'a Registry,
 }
 
@@ -222,7 +213,6 @@ impl Checkup {
         suitable_f_dyn_hz(self.alone.iter().flat_map(|s| &s.one.joints), slowest_hz)
     }
 
-    /// For people.
     #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let (mut text, several) = (String::new(), self.alone.len() > 1);
@@ -266,7 +256,6 @@ impl Checkup {
         format!("\n{heading}\n{lines}")
     }
 
-    /// For programs.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let mut json = if let [only] = self.alone.as_slice() {

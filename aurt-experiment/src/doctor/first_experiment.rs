@@ -43,7 +43,6 @@ pub struct Known {
     pub mdh_rows: Option<MdhRows>,
     /// The link of a robot description that its chain starts from.
     pub base: Option<String>,
-    /// Which of its joints.
     pub part: Part,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
@@ -53,10 +52,8 @@ pub struct Known {
     pub recordings: Vec<(Source, Option<Role>)>,
 }
 
-/// An experiment that was drafted.
 #[derive(Debug)]
 pub struct Draft {
-    /// Its text.
     pub text: String,
     /// Choices that were made, in sentences.
     pub guesses: Vec<String>,
@@ -71,7 +68,6 @@ struct Arm {
     is_table: bool,
 }
 
-/// A recording that was looked at.
 struct Looked {
     inspected: Inspected,
     unit_was_guessed: bool,

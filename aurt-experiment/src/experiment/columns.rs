@@ -18,7 +18,6 @@ pub struct RecordingColumns {
     pub measurement: Option<JointColumns>,
 }
 
-/// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ColumnName {
     /// By its place, from 0.

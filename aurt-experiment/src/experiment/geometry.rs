@@ -16,12 +16,7 @@ pub enum Geometry {
         table: MdhTable,
     },
     /// `urdf` or `mjcf`, with `base` and one of `tip`, `tips` and `joints`: a chain or tree of a robot description file.
-    Urdf {
-        /// The file.
-        path: PathBuf,
-        /// The chain or tree.
-        robot: Box<DescribedRobot>,
-    },
+    Urdf { path: PathBuf, robot: Box<DescribedRobot> },
     /// `name`: a robot known by name.
     Known(Box<DescribedRobot>),
 }

@@ -52,7 +52,6 @@ pub const SCHEMA: i64 = 1;
 /// An experiment, checked: all its files exist, all its models are built, all its lists fit the robot.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// The file it was read from.
     pub path: PathBuf,
     /// The text of that file, as it was written.
     pub source_text: String,

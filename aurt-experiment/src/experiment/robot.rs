@@ -47,7 +47,6 @@ impl Robot {
         }
     }
 
-    /// The joints that recordings of it have.
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         RobotJoints {

@@ -15,10 +15,8 @@ pub enum SweepError {
     /// The experiment, models or libraries.
     #[error(transparent)]
     Plugins(#[from] crate::Error),
-    /// The experiment has no `[sweep]`.
     #[error("{}: there is no [sweep] to run; add one that names keys and their values", path.display())]
     NoSweep { path: PathBuf },
-    /// There is nothing to rank points by.
     #[error(
         "{}: points are ranked by their error on recordings that they were not fitted to; list some under \
          `[recordings] validation`, or set `validate = \"leave_one_out\"` under [sweep] and list at least two \
@@ -34,13 +32,11 @@ pub enum SweepError {
         reason: String,
         remedy: String,
     },
-    /// Another process works in the folder.
     #[error(
         "{}: another sweep is at work in this folder; wait until it is done, or name another folder",
         path.display()
     )]
     Locked { path: PathBuf },
-    /// The plan has no such point.
     #[error("{}: there is no point {index}; the plan has points 1 to {points}", path.display())]
     NoPoint { path: PathBuf, index: usize, points: usize },
     /// What a point depends on is no longer what it was when the sweep was planned.
@@ -74,13 +70,10 @@ pub enum PointError {
     /// The rigid bodies or the robot model.
     #[error(transparent)]
     Model(#[from] aurt_plugins::model::Error),
-    /// The fit or its validation.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// No row of the held-out recordings qualifies.
     #[error("the held-out recordings leave no rows to judge by")]
     NothingJudged,
-    /// The program failed.
     #[error("the program failed on this point: {0}")]
     Panic(String),
 }

@@ -35,13 +35,9 @@ pub(crate) fn common_part(text: &str) -> String {
 pub(crate) struct SharedRows<'r> {
     /// The fits: the rows that each is fitted to, and the indices in `judged` of the recordings that it is judged on.
     pub folds: Vec<(FitRows<'r>, Vec<usize>)>,
-    /// The recordings that models are judged on.
     pub judged: &'r RigidRows<'r>,
-    /// The rigid bodies.
     pub bodies: &'r RigidBodyDynamics,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// What to heed of the recordings.
     pub warnings: &'r [String],
 }
 

@@ -49,7 +49,6 @@ pub struct Folder {
 /// Who else may work in a folder at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sharing {
-    /// Nobody.
     Exclusive,
     /// Others that write single results.
     Shared,

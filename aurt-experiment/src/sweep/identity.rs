@@ -13,7 +13,6 @@ use serde_json::Value;
 
 use crate::sweep::{SweepError, definition::Validate};
 
-/// Version of what is hashed, and of the results.
 const VERSION: &str = "aurt sweep result 1";
 
 /// The file that [`code_is_in`] states.

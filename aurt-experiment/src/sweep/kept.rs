@@ -19,7 +19,6 @@ struct Kept {
 /// What a file of results turned out to be.
 #[derive(Debug)]
 pub enum Found {
-    /// The result as it was written.
     Whole(Box<PointResult>),
     /// Half a file, another version's, or one that was changed after it was written.
     Damaged,

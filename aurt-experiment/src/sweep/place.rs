@@ -14,7 +14,6 @@ impl Place {
         Self(key.split('.').map(|part| part.trim().to_owned()).collect())
     }
 
-    /// Its parts, from the top.
     #[must_use]
     pub fn parts(&self) -> &[String] {
         &self.0

@@ -27,7 +27,6 @@ pub struct Ranking {
     pub reference: Option<String>,
     /// What could be judged, best first.
     pub ranked: Vec<Ranked>,
-    /// What could not.
     pub failed: Vec<Failed>,
     /// Numbers of points that have not been run.
     pub missing: Vec<usize>,
@@ -40,9 +39,7 @@ pub struct Ranked {
     pub rank: usize,
     /// Its number in the plan, from 1.
     pub number: usize,
-    /// What distinguishes it.
     pub name: String,
-    /// Number of coefficients.
     pub coefficients: usize,
     /// Number of shape parameters that were searched.
     pub shapes: usize,
@@ -76,9 +73,7 @@ pub struct JointRank {
 pub struct Failed {
     /// Its number in the plan, from 1.
     pub number: usize,
-    /// What distinguishes it.
     pub name: String,
-    /// Why.
     pub error: String,
 }
 

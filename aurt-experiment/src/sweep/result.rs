@@ -14,9 +14,7 @@ pub const SCHEMA: u32 = 2;
 pub struct PointResult {
     /// Version of the format.
     pub schema: u32,
-    /// The key under which it is kept.
     pub key: String,
-    /// What came out.
     pub outcome: Outcome,
 }
 
@@ -24,7 +22,6 @@ pub struct PointResult {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The model was fitted and judged.
     Judged(Evaluation),
     /// It could not be; why.
     Failed(String),
@@ -34,9 +31,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evaluation {
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// Number of coefficients.
     pub coefficients: usize,
     /// Number of shape parameters that were searched.
     pub shapes: usize,
@@ -50,14 +45,11 @@ pub struct Evaluation {
 pub struct Fold {
     /// Names of the recordings that it was fitted to.
     pub calibrated_on: Vec<String>,
-    /// The coefficients.
     pub parameters: Vec<CalibratedParameter>,
-    /// The search for shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape_fit: Option<ShapeReport>,
     /// Condition number of the weighted observation matrix; absent if it is infinite.
     pub condition_number: Option<f64>,
-    /// Warnings of the calibration.
     pub warnings: Vec<String>,
     /// The held-out recordings.
     pub judged: Vec<Judged>,
@@ -67,7 +59,6 @@ pub struct Fold {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Judged {
-    /// Its name.
     pub recording: String,
     /// Over all rows while the robot is in motion, joint after joint.
     pub all: Vec<JointErrors>,
@@ -79,7 +70,6 @@ pub struct Judged {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointErrors {
-    /// Number of rows.
     pub rows: usize,
     /// Σ (y − ŷ)², unit of the measurement squared.
     pub squared_error: f64,
@@ -87,13 +77,11 @@ pub struct JointErrors {
     pub squared_measurement: f64,
     /// Σ |y|.
     pub absolute_measurement: f64,
-    /// Rows of each block.
     pub block_rows: Vec<usize>,
     /// Σ (y − ŷ)² of each block.
     pub block_squared_error: Vec<f64>,
 }
 
-/// Which rows are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rows {

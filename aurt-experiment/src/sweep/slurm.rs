@@ -17,7 +17,6 @@ const LARGEST_ELEMENT: usize = 1000;
 pub struct Submission {
     /// Slurm's numbers of the arrays: one for each thousand points of the plan.
     pub jobs: Vec<String>,
-    /// The points that were submitted.
     pub points: Vec<usize>,
     /// Where the jobs' output goes.
     pub output: PathBuf,
@@ -109,7 +108,6 @@ pub fn ranges(numbers: &[usize]) -> String {
     runs.into_iter().map(text).collect::<Vec<_>>().join(",")
 }
 
-/// A path as one word of a shell command.
 fn shell_word(path: &Path) -> String {
     format!("'{}'", path.to_string_lossy().replace('\'', "'\\''"))
 }

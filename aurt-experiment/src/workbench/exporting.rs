@@ -34,11 +34,8 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
-    /// A Rust crate.
     Rust,
-    /// A URDF file.
     Urdf,
-    /// An SDF file.
     Sdf,
     /// A functional mock-up unit.
     Fmu(Kind),
@@ -100,11 +97,8 @@ fn hash(bytes: &[u8]) -> String {
 /// Files of a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
-    /// Their names and contents.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What was changed in a file of the user.
     pub changed: Vec<String>,
-    /// What of the model the target has no word for.
     pub lost: Vec<String>,
     /// What a person should know of the files.
     pub notes: Vec<String>,

@@ -43,7 +43,6 @@ pub enum Failure {
     /// Something that a file asks for cannot be.
     #[error("{}: {failure}", path.display())]
     In { path: PathBuf, failure: Box<Failure> },
-    /// A model cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
     /// An output cannot be where it is asked for.
@@ -55,7 +54,6 @@ pub enum Failure {
         reason: String,
         remedy: String,
     },
-    /// A result is no number.
     #[error(
         "{}: a value of line {line} is not a finite number, so nothing is written; the model, its coefficients or the \
          motion are far beyond those of a robot: look at them with `aurt check` and at the values in the model file",
@@ -70,7 +68,6 @@ pub enum Failure {
         reason: String,
         remedy: String,
     },
-    /// A sweep.
     #[error(transparent)]
     Sweep(Box<SweepError>),
     /// An argument does not go with the rest.

@@ -79,7 +79,6 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -167,7 +166,6 @@ impl OutputFolder {
         Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -204,12 +202,10 @@ impl ResultFile {
 }
 
 impl Outputs {
-    /// Adds a file.
     pub fn file(&mut self, file: &OutputFile, contents: Vec<u8>) {
         self.files.push(ResultFile { path: file.path.clone(), folder: None, contents });
     }
 
-    /// Adds files of a folder.
     pub fn folder(&mut self, folder: &OutputFolder, files: impl IntoIterator<Item = (String, Vec<u8>)>) {
         if self.new_folder.is_none() && !folder.path.exists() {
             self.new_folder = Some(folder.path.clone());

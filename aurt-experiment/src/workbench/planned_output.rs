@@ -18,7 +18,6 @@ const DEEPEST: usize = 3;
 pub enum PlannedOutput {
     /// A file, whose ending tells the format.
     File(OutputFile),
-    /// The folder of a LeRobot data set.
     DataSet(OutputFolder),
 }
 
@@ -56,7 +55,6 @@ impl PlannedOutput {
         })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         match self {
             Self::File(file) => file.path(),

@@ -41,7 +41,6 @@ pub fn fit_experiment_in_stretches(
     Ok(outcome)
 }
 
-/// A number of bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Bytes(pub u64);
 
@@ -91,7 +90,6 @@ impl FromStr for Bytes {
 /// Why recordings are read in stretches.
 #[derive(Debug, Clone, Copy)]
 pub struct TooLarge {
-    /// What their files have together.
     pub together: Bytes,
     /// More than this is read in stretches.
     pub limit: Bytes,

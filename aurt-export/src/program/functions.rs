@@ -14,7 +14,6 @@ use super::{
 };
 use crate::{ExportError, Source};
 
-/// A function of the export.
 #[derive(Debug, Clone)]
 pub(crate) struct Function {
     /// Its name, without the robot's.

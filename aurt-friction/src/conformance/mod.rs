@@ -27,7 +27,6 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Violation {
-    /// The model reported an error where it must not.
     #[error("{during}: {source}")]
     Failed { during: &'static str, source: ModelError },
     /// A declared invariant does not hold.

@@ -54,7 +54,6 @@ pub struct SinglePlan {
     pub robots: Vec<String>,
     /// Identifiers; empty for all.
     pub effects: Vec<String>,
-    /// Strengths.
     pub strengths: Vec<Strength>,
     /// Cases per effect and strength.
     pub trials: usize,
@@ -74,7 +73,6 @@ pub struct PairPlan {
     pub robots: Vec<String>,
     /// Identifiers that may be paired; empty for all.
     pub effects: Vec<String>,
-    /// Strength of both.
     pub strength: Strength,
     /// Number of cases.
     pub count: usize,

@@ -35,7 +35,6 @@ impl World {
         }
     }
 
-    /// The world of a name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|world| world.name() == name)

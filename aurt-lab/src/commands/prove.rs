@@ -89,7 +89,6 @@ fn world(name: &str) -> Result<World, String> {
 }
 
 impl Prove {
-    /// Proves.
     pub fn run(&self, session: &mut Session) -> Result<Report, Failure> {
         let Some(out) = &self.out else { return self.learn_from_proofs() };
         let folder = OutputFolder::new("--out", out)?;
@@ -170,7 +169,6 @@ impl Prove {
         })
     }
 
-    /// Learns from proofs that are finished.
     fn learn_from_proofs(&self) -> Result<Report, Failure> {
         let mut scores = Vec::new();
         for folder in &self.proofs {

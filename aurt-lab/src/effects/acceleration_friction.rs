@@ -5,7 +5,6 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AccelerationFriction {
-    /// The joint.
     pub joint: usize,
     /// Growth of the level per acceleration, Nm s²/rad.
     pub growth_nm_s2: f64,

@@ -5,9 +5,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CableDrag {
-    /// The joint.
     pub joint: usize,
-    /// The other joint.
     pub other: usize,
     /// Size of the pull, Nm.
     pub tension_nm: f64,

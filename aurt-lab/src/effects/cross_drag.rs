@@ -5,9 +5,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossDrag {
-    /// The joint.
     pub joint: usize,
-    /// The other joint.
     pub other: usize,
     /// Drag, Nm s²/rad².
     pub drag_nm_s2: f64,

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeakingSpring {
-    /// The joint.
     pub joint: usize,
     /// Stiffness at the start, Nm/rad.
     pub stiffness_nm_rad: f64,

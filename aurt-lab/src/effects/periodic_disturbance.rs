@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PeriodicDisturbance {
-    /// The joint.
     pub joint: usize,
     /// Amplitude, Nm.
     pub amplitude_nm: f64,

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PositionDamper {
-    /// The joint.
     pub joint: usize,
     /// Mean damping, Nm s/rad.
     pub damping_nm_s: f64,

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StickingWindow {
-    /// The joint.
     pub joint: usize,
     /// Excess of dry friction, Nm.
     pub excess_nm: f64,

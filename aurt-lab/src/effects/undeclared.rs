@@ -39,7 +39,6 @@ pub struct Lacks {
 pub struct Undeclared {
     /// One per joint.
     pub lacks: Vec<Lacks>,
-    /// What moves the bristles of presliding.
     pub bristles: BristleModel,
     /// Time constants of lubricant and housing, s.
     pub time_constants_s: [f64; 2],
@@ -50,7 +49,6 @@ pub struct Undeclared {
 pub struct NamedLack {
     /// The effect's identifier.
     pub identifier: &'static str,
-    /// The joints that have it.
     pub joints: Vec<usize>,
     /// Name of its size.
     pub parameter: &'static str,

@@ -32,7 +32,6 @@ pub struct InjectedRequest {
 /// ```
 #[derive(Debug, Clone)]
 pub struct InjectedWorld {
-    /// The recordings.
     pub injection: Injection,
 }
 

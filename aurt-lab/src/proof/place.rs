@@ -28,7 +28,6 @@ pub struct Proof {
     /// Lines on cases that the plan asks for and the world does not have.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
-    /// Which cases they are.
     pub plan: Plan,
 }
 
@@ -43,7 +42,6 @@ impl Place {
         Self { root: proof.join(world.name()) }
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.root
     }
@@ -63,7 +61,6 @@ impl Place {
         self.root.join("sealed")
     }
 
-    /// Folder of the verdicts.
     pub fn verdicts(&self) -> PathBuf {
         self.root.join("verdicts")
     }

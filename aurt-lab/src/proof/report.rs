@@ -21,13 +21,11 @@ const METHODS: [&str; 3] = ["best_single", "lasso", "stlsq"];
 /// What a folder has proved so far.
 #[derive(Debug)]
 pub struct Proven {
-    /// The tables.
     pub text: String,
     /// The same and every case's score.
     pub json: Value,
     /// Whether cases could not be made or diagnosed.
     pub is_incomplete: bool,
-    /// World, seed and scores.
     pub scores: Vec<(World, u64, Vec<CaseScore>)>,
 }
 

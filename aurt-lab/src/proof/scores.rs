@@ -142,7 +142,6 @@ pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failu
     Ok(())
 }
 
-/// What a folder says of a case.
 fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
     if let Verdicts::Method(name) = whose {
         return method(&folder.join(COMPARISON), name);

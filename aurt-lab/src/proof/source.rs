@@ -7,9 +7,7 @@ use serde::Deserialize;
 /// A case that is to be made: what a proof has to know of it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Planned {
-    /// What it is about.
     pub case_type: CaseType,
-    /// Identifiers of its effects.
     pub effects: Vec<String>,
 }
 
@@ -57,7 +55,6 @@ pub trait Source: Sync {
 /// What cases are made from.
 #[derive(Debug, Clone)]
 pub struct Ingredients {
-    /// Which cases.
     pub plan: Plan,
     /// Seed of all random numbers.
     pub seed: u64,

@@ -11,7 +11,6 @@ use crate::case::World;
 /// many cases of each were made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scoreboard {
-    /// A board for every world that has cases.
     pub worlds: BTreeMap<World, WorldBoard>,
     /// Worlds that could not be made here, and why.
     pub skipped: BTreeMap<World, String>,

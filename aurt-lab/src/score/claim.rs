@@ -8,13 +8,11 @@ use aurt_simulation::SimulationError;
 
 use super::share::Share;
 
-/// The answer of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// Nothing is missing.
     NoMismatch,
-    /// What is missing has a name.
     Named,
     /// One of a class, of programs that have a word for it.
     Ambiguous,
@@ -87,7 +85,6 @@ pub struct ClaimedRemainder {
 /// A share, without its deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct ClaimedShare {
-    /// The share.
     pub value: f64,
 }
 
@@ -97,9 +94,7 @@ const BETTER: f64 = 0.0975;
 /// An effect that a verdict names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedEffect {
-    /// Identifier.
     pub effect: String,
-    /// Joints.
     #[serde(default)]
     pub joints: Vec<usize>,
     /// Kinds of recordings that have it.
@@ -108,13 +103,11 @@ pub struct ClaimedEffect {
     /// When it acts, s.
     #[serde(default)]
     pub window_s: Option<[f64; 2]>,
-    /// How sure the verdict is.
     #[serde(default)]
     pub confidence: Option<f64>,
     /// Parameters: `{name: {value, std}}`.
     #[serde(default)]
     pub parameters: BTreeMap<String, ClaimedValue>,
-    /// What else it could be.
     #[serde(default)]
     pub alternatives: Vec<ClaimedAlternative>,
     /// Evidence: its score, and what else is said for it. What is no number is not used.
@@ -122,7 +115,6 @@ pub struct ClaimedEffect {
     pub evidence: BTreeMap<String, Value>,
 }
 
-/// A claimed parameter.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedValue {
     /// A number, or a list along the joints.
@@ -132,12 +124,9 @@ pub struct ClaimedValue {
     pub std: Value,
 }
 
-/// A claimed alternative.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedAlternative {
-    /// Identifier.
     pub effect: String,
-    /// Joints that it would be on.
     #[serde(default)]
     pub joints: Vec<usize>,
 }
@@ -146,9 +135,7 @@ pub struct ClaimedAlternative {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct ClaimedHeldOut {
-    /// Before.
     pub rms_before: Vec<f64>,
-    /// With what is named.
     pub rms_after: Vec<f64>,
 }
 

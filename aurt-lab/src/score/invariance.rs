@@ -24,7 +24,6 @@ pub struct Invariance {
 /// The claims by which a variant differs from its case, or the second half of a reference from the first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VariantDifference {
-    /// The case.
     pub case: String,
     /// The variant, or [`HALVES`].
     pub variant: String,

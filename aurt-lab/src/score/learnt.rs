@@ -15,7 +15,6 @@ pub const SCHEMA: u32 = 1;
 pub struct Learnt {
     /// Version of the file's form.
     pub schema: u32,
-    /// The proofs that it was learnt from.
     pub learnt_from: Vec<LearntFrom>,
     /// How often findings are right, by their evidence.
     pub confidence: Curves,
@@ -27,13 +26,9 @@ pub struct Learnt {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearntFrom {
-    /// The world.
     pub world: World,
-    /// Seed of the proof.
     pub seed: u64,
-    /// Cases.
     pub cases: usize,
-    /// Findings in them.
     pub findings: usize,
     /// Findings that were right.
     pub hits: usize,
@@ -54,7 +49,6 @@ pub struct Curves {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// Findings.
     pub findings: usize,
     /// Those that were right.
     pub hits: usize,
@@ -102,7 +96,6 @@ impl Learnt {
         }
     }
 
-    /// The confidence of a finding.
     #[must_use]
     pub fn confidence(&self, finding: &ScoredFinding) -> f64 {
         if finding.ambiguous {

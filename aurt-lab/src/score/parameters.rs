@@ -7,7 +7,6 @@ use crate::case::{TrueEffect, Truth};
 /// How far a claimed parameter is off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterError {
-    /// Effect.
     pub effect: String,
     /// Canonical name.
     pub parameter: String,
@@ -25,7 +24,6 @@ impl ParameterError {
     }
 }
 
-/// Errors of the parameters that both the truth and the claims have.
 pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterError> {
     let mut errors = Vec::new();
     for effect in &truth.effects {

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 pub struct Share {
     /// Those that are right (or whatever is counted).
     pub count: usize,
-    /// All.
     pub of: usize,
 }
 
@@ -20,7 +19,6 @@ impl Share {
         })
     }
 
-    /// Counts one more.
     pub const fn count(&mut self, is: bool) {
         self.count += is as usize;
         self.of += 1;

@@ -9,9 +9,7 @@ use super::{Answer, Kind, Outcome};
 pub struct Board {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Of setups without a mistake.
     pub right: Vec<Answer>,
-    /// Of setups with one.
     pub wrong: Vec<Answer>,
 }
 

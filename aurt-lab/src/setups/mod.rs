@@ -24,7 +24,6 @@ use setup::Setup;
 pub struct Counted {
     /// Setups without a mistake.
     pub right: usize,
-    /// Setups with one.
     pub wrong: usize,
     /// Seed of all random numbers.
     pub seed: u64,

@@ -15,16 +15,13 @@ use crate::model::place::{Step, in_words};
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
-    /// Models, libraries or plugins.
     #[error(transparent)]
     Plugins(Box<crate::Error>),
     /// The table of modified Denavit–Hartenberg parameters.
     #[error(transparent)]
     Mdh(#[from] MdhErrors),
-    /// The description of a robot.
     #[error(transparent)]
     Robot(#[from] RobotErrors),
-    /// No known robot has this name.
     #[error("`{name}` is not the name of a known robot; {remedy}")]
     UnknownRobot { name: String, remedy: String },
     /// The rigid bodies cannot be built, or their base parameters not be determined.
@@ -44,7 +41,6 @@ pub enum Error {
         reason: String,
         help: Option<String>,
     },
-    /// A model file is wrong.
     #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
     ModelFile {
         path: PathBuf,

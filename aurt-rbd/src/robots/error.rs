@@ -24,7 +24,6 @@ pub enum RobotError {
     /// The file is no well-formed XML.
     #[error("{}:{line}: {reason}", path.display())]
     Xml { path: PathBuf, line: u32, reason: String },
-    /// The file is a xacro macro, not a robot description.
     #[error(
         "{}:{line}: `{text}` is xacro, a macro language that generates URDF files; \
          expand it with `xacro {} > robot.urdf` (`pip install xacro`) and name the result", path.display(), path.display()
@@ -54,7 +53,6 @@ pub enum RobotError {
         /// What it is to be: `the base`.
         which: &'static str,
         name: String,
-        /// The name that was probably meant.
         meant: Option<String>,
         /// The names of the file, or the first of many.
         known: Box<[String]>,

@@ -11,7 +11,6 @@ pub(crate) struct JointState {
     pub(crate) stamp_ns: i64,
     /// The names as they are written, for telling fast whether they are those of another message.
     pub(crate) names_written: Vec<u8>,
-    /// Names of the joints.
     pub(crate) names: Vec<String>,
     /// Positions, rad or m.
     pub(crate) position: Vec<f64>,

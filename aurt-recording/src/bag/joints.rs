@@ -160,7 +160,6 @@ impl<'a> Joints<'a> {
         &self.names
     }
 
-    /// Names of the columns.
     pub(super) fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
         let families = [("position", self.position), ("velocity", self.velocity), ("effort", self.effort)];
@@ -190,7 +189,6 @@ impl<'a> Joints<'a> {
         (self.origin_ns / SECOND_NS) as f64
     }
 
-    /// What is to be said once all is read.
     pub(super) fn irregularities(&self) -> Vec<String> {
         let mut said = Vec::new();
         if self.passed_over > 0 {

@@ -20,7 +20,6 @@ pub(super) struct Messages<'a> {
     /// When it was recorded, ns.
     pub(super) log_ns: i64,
     pub(super) read: usize,
-    /// Whether a file broke off.
     pub(super) broken_off: bool,
 }
 

@@ -88,7 +88,6 @@ pub(super) fn read(
 /// Topics that are looked into for joints that the chosen one lacks.
 const MOST_TOPICS: usize = 20;
 
-/// What is to be said where the wanted joints are on several topics.
 fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic) -> RecordingError {
     let RecordingError::JointNames { path, recorded, wanted, lacking } = error else { return error };
     let names = |name: &String| {

@@ -14,7 +14,6 @@ use crate::format::RecordingInput;
 
 pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// An open file.
 pub(super) struct SqliteFile<'a> {
     path: &'a Path,
     database: Connection,

@@ -66,7 +66,6 @@ pub fn mcap(
     file.finish()
 }
 
-/// The message of a topic at a sample.
 fn joint_state(time_ns: u64, joints: &[String], topic: &JointTopic<'_>, sample: usize) -> Vec<u8> {
     let mut message = CdrWriter::default();
     message.time(time_ns);

@@ -13,7 +13,6 @@ use parquet::schema::types::Type;
 
 use crate::error::RecordingError;
 
-/// Bytes of a page.
 const PAGE: usize = 8 << 20;
 
 /// A column of a table: a value for each row, or a list of values.
@@ -26,7 +25,6 @@ pub(super) struct TableColumn<'a> {
     pub(super) values: TableValues<'a>,
 }
 
-/// Values of one type.
 #[derive(Debug)]
 pub(super) enum TableValues<'a> {
     Doubles(&'a [f64]),

@@ -16,12 +16,10 @@ pub use style::{Mark, Style};
 
 use crate::escape;
 
-/// A figure of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Figure {
     /// Series or clouds of points over a coordinate.
     Plot(Plot),
-    /// Bars in groups.
     Bars(Bars),
     /// An arm with coloured joints.
     Arm(Arm),

@@ -14,7 +14,6 @@ use aurt_files::harmless;
 /// A part of a report that is set off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Emphasis {
-    /// A title.
     Title,
     /// Something that needs attention.
     Warning,

@@ -21,7 +21,6 @@ use crate::doctor::mistakes::oddities;
 /// A recording in the unit that its stamps are in.
 #[derive(Debug, Clone)]
 pub struct Reading {
-    /// The recording.
     pub loaded: Loaded,
     /// That unit, where another was said.
     pub stamps: Option<StampUnit>,
@@ -49,11 +48,8 @@ impl Reading {
 
 /// A recording with what can be said of it by itself.
 pub struct Inspected {
-    /// As it was read.
     pub loaded: Loaded,
-    /// On its grid.
     pub prepared: Preprocessed,
-    /// Joint by joint.
     pub joints: Vec<JointReport>,
     /// The unit of its stamps, where that is another than was said; the recording is read in it.
     pub stamps: Option<StampUnit>,
@@ -74,7 +70,6 @@ impl Inspected {
         Ok(Self { loaded, prepared, joints, stamps })
     }
 
-    /// What the user calls it.
     pub fn label(&self) -> &str {
         &self.loaded.source.label
     }
@@ -91,7 +86,6 @@ impl Inspected {
         notes
     }
 
-    /// Names of the joints.
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(self.loaded.recording.joints.names())
     }
@@ -140,7 +134,6 @@ impl Inspected {
         Ok(NamedRecording { name: self.label().to_owned(), data })
     }
 
-    /// For people.
     pub fn to_text(&self, judged: Option<&Judged>, style: Style) -> String {
         let recording = &self.loaded.recording;
         let unit = recording.unit;
@@ -167,7 +160,6 @@ impl Inspected {
         text
     }
 
-    /// For programs.
     pub fn to_json(&self, judged: Option<&Judged>, findings: &[String]) -> Value {
         let recording = &self.loaded.recording;
         json!({

@@ -20,9 +20,7 @@ const SMALL_OWN_SHARE: f64 = 0.02;
 
 /// The excitation of a model's parameters by a motion.
 pub struct Judged {
-    /// The model.
     pub model: RobotModel,
-    /// What the motion says of its coefficients.
     pub excited: Excited,
     /// What a calibration of the model on these recordings would warn of; nothing where they measured nothing.
     pub warnings: Vec<String>,
@@ -147,7 +145,6 @@ impl Judged {
         findings
     }
 
-    /// The same by names.
     pub fn named(&self) -> ExcitedNames<'_> {
         let own = |(k, e): (usize, &Excitation)| match e {
             Excitation::Own(share) => Some((self.model.parameters()[k].name.as_str(), *share)),
@@ -181,7 +178,6 @@ impl Judged {
         self.names(|e| matches!(e, Excitation::Own(share) if *share < SMALL_OWN_SHARE))
     }
 
-    /// For people.
     pub fn to_text(&self) -> String {
         let total = self.model.parameters().len();
         let (silent, combined, weak) = (self.silent(), self.combined(), self.weak());
@@ -208,7 +204,6 @@ impl Judged {
         text
     }
 
-    /// For programs.
     pub fn to_json(&self) -> Value {
         let parameters = self.model.parameters();
         let describe = |(k, excitation): (usize, &Excitation)| match excitation {

@@ -20,13 +20,11 @@ const LEAST_MISSED: f64 = 0.05;
 /// A joint that a model hardly explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poor {
-    /// The joint.
     pub joint: usize,
     /// What of it is explained: 1 − Σe²/Σy² over the rows at which it moves, 0 at least.
     pub explained: f64,
     /// The recording, by its place.
     pub file: usize,
-    /// The name of the recording.
     pub recording: String,
     /// From when to when, s from the first stamp; all of the recording without.
     pub span_s: Option<[f64; 2]>,

@@ -66,7 +66,6 @@ pub struct Examination {
     pub before: Option<Score>,
     /// How well it does with all mistakes undone.
     pub after: Option<Score>,
-    /// The mistakes.
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
@@ -74,7 +73,6 @@ pub struct Examination {
     /// What stays hardly explained in recordings, where no calibrated model says so.
     poor: Vec<Poor>,
     compares_robots: bool,
-    /// Whether the sign of gravity is not to be seen.
     has_open_gravity: bool,
     /// Whether the experiment has terms beside friction.
     has_terms: bool,
@@ -222,7 +220,6 @@ impl Examination {
         )
     }
 
-    /// For people.
     #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let sentences = self.sentences();
@@ -238,7 +235,6 @@ impl Examination {
         text
     }
 
-    /// For programs.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let score = |s: &Score| json!({ "error": s.total, "joints": s.joints });

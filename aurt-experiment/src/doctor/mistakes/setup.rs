@@ -48,11 +48,8 @@ pub struct Subject {
     pub name: Option<String>,
     /// Gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
-    /// The recordings.
     pub recordings: Vec<Assigned>,
-    /// How they are preprocessed.
     pub preprocessing: Preprocessing,
-    /// What is undone in their measurements.
     pub instrument: Instrument,
     /// What the model has beside rigid bodies and friction.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
@@ -191,14 +188,12 @@ pub enum Extent {
     Brief,
     /// The beginning of each recording: for tests.
     Beginnings,
-    /// Whole recordings.
     Whole,
 }
 
 /// What one trial fits and judges.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    /// Links and joints.
     pub joints: Vec<Joint>,
     /// How each of them moves; empty where none follows another.
     pub couplings: Vec<Coupling>,
@@ -206,7 +201,6 @@ pub struct Setup {
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
     pub parts: Vec<Part>,
-    /// What was undone in it.
     pub undone: Vec<Mistake>,
     /// The model of these links and joints, once it was asked for; nothing in it if there is none.
     pub model: OnceLock<Option<Arc<RobotModel>>>,
@@ -217,13 +211,10 @@ pub struct Setup {
 pub struct Part {
     /// The recording that it is from, by its place among the subject's.
     pub file: usize,
-    /// What the user calls that.
     pub label: String,
     /// Whether it is fitted; otherwise it judges.
     pub fitted: bool,
-    /// The samples.
     pub recording: Arc<Recording>,
-    /// How it is preprocessed.
     pub options: Arc<Preprocessing>,
     /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
     /// the recording as it is, so that the same rows count whatever the units of angles and stamps.

@@ -36,7 +36,6 @@ pub use checking::check_drives;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
 
-/// The file of a calibrated arm with drives.
 pub const DRIVE_FILE: &str = "drive_calibrated.json";
 
 /// What [`DRIVE_FILE`] holds.
@@ -85,7 +84,6 @@ impl CalibratedDrive {
         RobotNames::of_joints(&self.joint_names)
     }
 
-    /// The joints that recordings of it have.
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         let joints = self.arm.chain.joints();
@@ -114,11 +112,8 @@ impl CalibratedDrive {
 /// What a `[drive]` gave.
 #[derive(Debug)]
 pub struct DriveOutcome {
-    /// For people.
     pub text: String,
-    /// For programs.
     pub json: Value,
-    /// Files by name.
     pub files: Vec<(String, Vec<u8>)>,
     /// Whether something is doubtful or missing.
     pub findings: bool,
@@ -133,7 +128,6 @@ struct Read {
     held_out: bool,
     recording: DriveRecording,
     notes: Vec<String>,
-    /// What is wrong with it.
     doubts: Vec<String>,
 }
 

@@ -30,7 +30,6 @@ use limits::limits_of;
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
 pub struct NextOptions {
-    /// How the experiment is diagnosed.
     pub diagnosis: DiagnosisOptions,
     /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
     pub limits: Option<Vec<MotionLimits>>,
@@ -63,16 +62,13 @@ pub struct Next {
     sure_nats: f64,
     /// Rows per second of the recordings.
     pub rate_hz: f64,
-    /// Where the limits are from.
     pub notes: Vec<String>,
 }
 
 /// A motion that was planned.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The motion.
     pub trajectory: Trajectory,
-    /// Its pieces in words.
     pub pieces: Vec<String>,
     /// The largest torque of each joint that the model predicts, and the largest that was recorded.
     pub torque: Vec<[f64; 2]>,
@@ -81,9 +77,7 @@ pub struct Plan {
 /// A doubt, and what recordings would do about it.
 #[derive(Debug, Clone)]
 pub struct Open {
-    /// The doubt.
     pub doubt: Doubt,
-    /// With the planned motion.
     pub planned: Outlook,
     /// With the motions of the present recordings for as long.
     pub again: Outlook,
@@ -164,7 +158,6 @@ struct Planner<'a> {
     recorded: Vec<f64>,
 }
 
-/// A piece that was drawn.
 struct Piece {
     trajectory: Trajectory,
     words: String,
@@ -493,7 +486,6 @@ impl Exchange<'_> {
     }
 }
 
-/// The moments of several pieces.
 fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
     let first = pieces.next()?.planned.clone();
     Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))

@@ -13,7 +13,6 @@ use crate::workbench::failure::Failure;
 /// found. Rows are those of the diagnosis, filtered and decimated.
 #[derive(Debug, Clone)]
 pub struct DiagnosedSeries {
-    /// The rows.
     pub rows: RecordingSeries,
     /// The stamp from which they count, s after `origin_s`.
     pub first_s: f64,
@@ -21,7 +20,6 @@ pub struct DiagnosedSeries {
     pub origin_s: f64,
     /// Names of the joints; empty where they have none.
     pub joint_names: Vec<String>,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
 }
 

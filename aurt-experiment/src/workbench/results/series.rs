@@ -31,7 +31,6 @@ impl SeriesFormat {
         [Self::Parquet, Self::Mcap].into_iter().find(|format| format.ending().eq_ignore_ascii_case(ending))
     }
 
-    /// The ending of its files.
     #[must_use]
     pub const fn ending(self) -> &'static str {
         match self {
@@ -56,9 +55,7 @@ pub struct Series {
     pub position_rad: Vec<Vec<f64>>,
     /// The measurement in the unit of the model, unfiltered, gains and offsets undone, if there is one.
     pub measured: Option<Vec<Vec<f64>>>,
-    /// The prediction.
     pub predicted: Vec<Vec<f64>>,
-    /// Unit of both.
     pub unit: MeasurementUnit,
 }
 

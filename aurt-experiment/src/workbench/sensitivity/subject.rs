@@ -14,7 +14,6 @@ use crate::workbench::{diagnosing::selection, experiments::calibration_options, 
 pub struct Subject {
     /// The recordings, and what the experiment's structure leaves of them.
     pub injection: Injection,
-    /// What each recording is for.
     pub split: Split,
     model: RobotModel,
     calibration: CalibrationOptions,
@@ -28,9 +27,7 @@ pub struct Subject {
 pub struct Place {
     /// Its number among those of the injection.
     pub number: usize,
-    /// What it is for.
     pub role: Role,
-    /// Whether effects are added to it.
     pub affected: bool,
 }
 
@@ -104,7 +101,6 @@ impl Subject {
         Ok(applied(&here, &recorded.scene, &recorded.recording)?)
     }
 
-    /// The recordings with effects.
     fn with(&self, effects: &[&Added]) -> Result<Vec<QuestionedRecording>, Failure> {
         let options = &self.injection.real().options;
         let one = |place: Place| {
@@ -115,7 +111,6 @@ impl Subject {
         self.places().into_iter().map(one).collect()
     }
 
-    /// What is asked of the recordings as they are.
     pub fn question(&self) -> Question<'_> {
         self.asked(&self.recordings)
     }

@@ -37,11 +37,8 @@ impl Route {
 /// The diagnosis of the recordings as they are, and of what is added to them.
 #[derive(Debug)]
 pub struct Trials<'a> {
-    /// The recordings.
     pub subject: &'a Subject,
-    /// Their diagnosis as they are.
     pub prepared: &'a Prepared<'a>,
-    /// What that claims.
     pub reference: Claims,
     registry: &'a Registry,
 }

@@ -60,7 +60,6 @@ impl TrackOptions {
 /// A recording's drift.
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackedRecording {
-    /// The recording.
     pub recording: String,
     /// What was measured of it, s.
     pub duration_s: f64,
@@ -75,33 +74,25 @@ pub struct TrackedRecording {
 /// A change that charts found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Alarm {
-    /// What changed.
     pub group: DriftGroup,
     /// Its joint; none for the load.
     pub joint: Option<usize>,
     /// That joint's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_name: Option<String>,
-    /// The parameter.
     pub parameter: String,
-    /// Whether it rose.
     pub rose: bool,
-    /// The recording in which the change began.
     pub since_recording: String,
     /// From that recording's first stamp, s.
     pub since_s: f64,
-    /// The recording in which it was certain.
     pub certain_recording: String,
     /// End of the window in which it was certain, from that recording's first stamp, s.
     pub certain_s: f64,
 }
 
-/// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tracked {
-    /// How.
     pub options: TrackOptions,
-    /// The parameters.
     pub parameters: Vec<DriftParameter>,
     /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -120,7 +111,6 @@ pub struct Tracked {
     pub recordings: Vec<TrackedRecording>,
     /// Alarms, in the order in which they were certain.
     pub alarms: Vec<Alarm>,
-    /// What to know.
     pub notes: Vec<String>,
 }
 
@@ -129,7 +119,6 @@ pub struct Tracked {
 pub enum Followed {
     /// A file, or [`STANDARD_INPUT`].
     File(PathBuf),
-    /// A recording in memory.
     Recording(Arc<Recording>),
 }
 
