@@ -24,10 +24,6 @@ impl Physics for AccelerationFriction {
         Self { joint, growth_nm_s2: growth * drive.torque_noise_nm }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("growth_nm_s2", vec![self.growth_nm_s2])]
     }

@@ -35,10 +35,6 @@ impl Physics for CableDrag {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("tension_nm", vec![self.tension_nm])]
     }

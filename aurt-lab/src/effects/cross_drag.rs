@@ -26,10 +26,6 @@ impl Physics for CrossDrag {
         Self { joint, other, drag_nm_s2: random.sign() * 2.0 * drive.torque_noise_nm / (fast * fast) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("drag_nm_s2", vec![self.drag_nm_s2])]
     }

@@ -32,10 +32,6 @@ impl Physics for LeakingSpring {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("leak_s", vec![self.leak_s])]
     }

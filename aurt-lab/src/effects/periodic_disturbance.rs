@@ -25,10 +25,6 @@ impl Physics for PeriodicDisturbance {
         Self { joint, amplitude_nm: 1.5 * drive.torque_noise_nm, frequency_hz: random.between(1.7, 6.0) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("amplitude_nm", vec![self.amplitude_nm]), ("frequency_hz", vec![self.frequency_hz])]
     }

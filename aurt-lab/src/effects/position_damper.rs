@@ -29,10 +29,6 @@ impl Physics for PositionDamper {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("damping_nm_s", vec![self.damping_nm_s])]
     }

@@ -30,10 +30,6 @@ impl Physics for StickingWindow {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("excess_nm", vec![self.excess_nm])]
     }

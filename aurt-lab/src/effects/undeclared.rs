@@ -63,7 +63,6 @@ pub const PRESLIDING_RAD: [f64; 2] = [1e-4, 0.12];
 
 impl Undeclared {
     /// The lacks by the vocabulary's names.
-    #[must_use]
     pub fn by_name(&self) -> Vec<NamedLack> {
         let mut named = Vec::new();
         let mut add = |identifier, of: &dyn Fn(&Lacks) -> f64, parameter: &'static str| {
