@@ -278,9 +278,22 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// [`Self::Count`].
     pub(crate) fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
         Self::Count { what: what.into(), expected, found }
+    }
+
+    pub(crate) fn malformed(
+        path: &Path,
+        place: impl Into<String>,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let (path, place) = (path.to_owned(), place.into());
+        Self::Malformed { path, place, reason: reason.into(), remedy: remedy.into() }
+    }
+
+    pub(crate) fn clock(path: &Path, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Clock { path: path.to_owned(), reason: reason.into(), remedy: remedy.into() }
     }
 }
 

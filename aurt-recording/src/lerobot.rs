@@ -101,11 +101,13 @@ impl DataSet {
         let Some(folder) = folder_of(path) else { return Ok(None) };
         let file = folder.join(INFO);
         let text = aurt_files::read_text(&file, INFO_LIMIT).map_err(|source| unreadable(&file, source))?;
-        let info: Info = serde_json::from_str(&text).map_err(|error| RecordingError::Malformed {
-            path: file.clone(),
-            place: format!("line {}", error.line()),
-            reason: format!("it does not describe a LeRobot data set: {error}"),
-            remedy: "copy it again, or name the files under data/ one by one".into(),
+        let info: Info = serde_json::from_str(&text).map_err(|error| {
+            RecordingError::malformed(
+                &file,
+                format!("line {}", error.line()),
+                format!("it does not describe a LeRobot data set: {error}"),
+                "copy it again, or name the files under data/ one by one",
+            )
         })?;
         let mut files = Vec::new();
         collect(&folder.join("data"), DEEPEST, &mut files);
@@ -276,12 +278,7 @@ impl DataSet {
     }
 
     fn refused(&self, reason: &str, remedy: &str) -> RecordingError {
-        RecordingError::Malformed {
-            path: self.folder.clone(),
-            place: INFO.into(),
-            reason: reason.into(),
-            remedy: remedy.into(),
-        }
+        RecordingError::malformed(&self.folder, INFO, reason, remedy)
     }
 }
 

@@ -155,12 +155,7 @@ fn malformed(path: &Path, place: &str, problem: &Problem) -> RecordingError {
             "save floats or integers, the fields of a structured array as arrays of their own",
         ),
     };
-    RecordingError::Malformed {
-        path: path.to_owned(),
-        place: place.to_owned(),
-        reason,
-        remedy: remedy.to_owned(),
-    }
+    RecordingError::malformed(path, place, reason, remedy)
 }
 
 impl Header {

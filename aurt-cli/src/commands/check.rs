@@ -115,7 +115,7 @@ impl Check {
         if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
             let reason = "is of recordings with torques, and this experiment has a [drive]".into();
             let remedy = format!("leave out {option}: what is found is printed, and in the output of --json");
-            return Err(Failure::Argument { option, reason, remedy });
+            return Err(Failure::argument(option, reason, remedy));
         }
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let outcome = check_drives(experiment, &session.terminal.progress(count + 2))?;

@@ -84,12 +84,12 @@ fn missing(folder: &Path, inputs: &[demo::File]) -> Result<Vec<demo::File>, Fail
                 missing.push((name.clone(), contents.clone()))
             }
             _ => {
-                return Err(Failure::Output {
-                    option: "--out",
-                    path,
-                    reason: "is not as the demo writes it: it is your own, or of another version, and would be overwritten".into(),
-                    remedy: "name another folder".into(),
-                });
+                return Err(Failure::output(
+                    "--out",
+                    &path,
+                    "is not as the demo writes it: it is your own, or of another version, and would be overwritten",
+                    "name another folder",
+                ));
             }
         }
     }

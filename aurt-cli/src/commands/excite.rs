@@ -92,11 +92,11 @@ impl Excite {
         out.check_rate_hz(self.rate_hz)?;
         let PlannedRobot { robot, bodies, joint_names, notes, knows_torques } = self.which.planned()?;
         if self.torque_limits && !knows_torques {
-            return Err(Failure::Argument {
-                option: "--torque-limits",
-                reason: "needs the masses of the links, and these are known of simulated robots alone".into(),
-                remedy: "leave it out; check the planned motion in the robot's own simulator".into(),
-            });
+            return Err(Failure::argument(
+                "--torque-limits",
+                "needs the masses of the links, and these are known of simulated robots alone",
+                "leave it out; check the planned motion in the robot's own simulator",
+            ));
         }
         let (trajectory, condition) = self.trajectory(&robot, bodies.as_deref(), session)?;
         if self.torque_limits {

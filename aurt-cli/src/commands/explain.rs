@@ -86,11 +86,11 @@ fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
         effects::ALL.into_iter().flat_map(|e| [e.id].into_iter().chain(e.parameters.iter().map(|p| p.name)));
     let known = models.chain(effects).chain(terms().iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
-    Failure::Argument {
-        option: "NAME",
-        reason: format!("there is no effect, parameter, model or term `{written}`"),
-        remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
-    }
+    Failure::argument(
+        "NAME",
+        format!("there is no effect, parameter, model or term `{written}`"),
+        format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
+    )
 }
 
 fn listing(session: &Session<'_>) -> Report {

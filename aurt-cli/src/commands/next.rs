@@ -150,9 +150,7 @@ impl NextMotion {
 
     /// Refuses numbers that no plan has, before anything is read.
     fn check(&self) -> Result<(), Failure> {
-        let refuse = |option, reason: String, remedy: &str| {
-            Err(Failure::Argument { option, reason, remedy: remedy.into() })
-        };
+        let refuse = |option, reason: String, remedy: &str| Err(Failure::argument(option, reason, remedy));
         let known = || effects::ALL.into_iter().map(|effect| effect.id);
         if let Some(name) = self.without.iter().find(|name| !known().any(|id| id == name.as_str())) {
             return refuse(

@@ -69,11 +69,11 @@ impl Track {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         if self.window_s < SHORTEST_WINDOW_S {
-            return Err(Failure::Argument {
-                option: "--window-s",
-                reason: format!("{} s is too short to tell friction, gain and load apart", self.window_s),
-                remedy: format!("choose {SHORTEST_WINDOW_S} s or more"),
-            });
+            return Err(Failure::argument(
+                "--window-s",
+                format!("{} s is too short to tell friction, gain and load apart", self.window_s),
+                format!("choose {SHORTEST_WINDOW_S} s or more"),
+            ));
         }
         let recordings: Vec<Followed> =
             recordings_of(&self.recordings)?.into_iter().map(Followed::File).collect();

@@ -57,18 +57,12 @@ const OWN_NAME: &str = "rd_calibrated.json";
 
 impl ModelFile {
     /// Reads a file.
-    ///
-    /// # Errors
-    /// If it holds no calibrated model.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
         let (document, text) = read_json(path)?;
         Self::from_document(path, document, &text, registry)
     }
 
     /// The model in what was read of a file, its value and its text; `path` is what errors call it.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn from_document(
         path: &Path,
         document: Value,
@@ -80,9 +74,6 @@ impl ModelFile {
     }
 
     /// A model in memory, with the file that saving makes of it.
-    ///
-    /// # Errors
-    /// If a part of the model cannot be expressed in JSON.
     pub fn of(calibrated: CalibratedModel) -> Result<Self, Failure> {
         let contents = calibrated.to_file()?;
         let document = serde_json::from_slice(&contents).unwrap_or_default();
@@ -153,7 +144,7 @@ impl Exported {
         for path in &paths {
             let refuse = |reason: &str, remedy: &str| {
                 let (reason, remedy) = (reason.to_owned(), remedy.to_owned());
-                Err(Failure::Output { option, path: path.clone(), reason, remedy })
+                Err(Failure::output(option, &path, reason, remedy))
             };
             let remedy = "name another folder, remove the file, or overwrite it with `--force` (in Python `force=True`)";
             // An archive of another kind or version has the same name, and importers keep what they have unpacked.
@@ -201,7 +192,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
 
 impl Target {
     /// Its name, as the command takes it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -247,7 +237,7 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
             Target::Isaac => {
                 let reason = "is a model of torques, and Isaac Lab's actuators are of drives".into();
                 let remedy = "name drive_calibrated.json of an experiment with [drive]".into();
-                return Err(Failure::Argument { option: "MODEL", reason, remedy });
+                return Err(Failure::argument("MODEL", reason, remedy));
             }
         })
     })

@@ -45,7 +45,6 @@ pub enum Failure {
     In { path: PathBuf, failure: Box<Failure> },
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// An output cannot be where it is asked for.
     #[error("{option}: {} {reason}; {remedy}", path.display())]
     Output {
         option: &'static str,
@@ -70,7 +69,6 @@ pub enum Failure {
     },
     #[error(transparent)]
     Sweep(Box<SweepError>),
-    /// An argument does not go with the rest.
     #[error("{option}: {reason}; {remedy}")]
     Argument { option: &'static str, reason: String, remedy: String },
 }
@@ -79,6 +77,21 @@ impl Failure {
     /// A file or a model is not what the command needs.
     pub fn unfit(path: impl Into<PathBuf>, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::Library(aurt::Error::Unfit { path: path.into(), reason: reason.into(), remedy: remedy.into() })
+    }
+
+    /// An argument does not go with the rest.
+    pub fn argument(option: &'static str, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Argument { option, reason: reason.into(), remedy: remedy.into() }
+    }
+
+    /// An output cannot be where it is asked for.
+    pub fn output(
+        option: &'static str,
+        path: impl Into<PathBuf>,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Output { option, path: path.into(), reason: reason.into(), remedy: remedy.into() }
     }
 
     /// A file could not be written.

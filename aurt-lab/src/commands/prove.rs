@@ -175,11 +175,11 @@ impl Prove {
             scores.extend(proof::report(folder, &BTreeMap::new())?.scores);
         }
         let Some(path) = &self.learn else {
-            return Err(Failure::Argument {
-                option: "--proof",
-                reason: "proofs are named, and nothing is to be learnt from them".into(),
-                remedy: "name a file with --learn".into(),
-            });
+            return Err(Failure::argument(
+                "--proof",
+                "proofs are named, and nothing is to be learnt from them",
+                "name a file with --learn",
+            ));
         };
         let learnt = proof::learn(path, &scores)?;
         let text: String = learnt

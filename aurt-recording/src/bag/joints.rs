@@ -78,11 +78,8 @@ impl<'a> Joints<'a> {
             beside_of: Vec::new(),
             beside: Vec::new(),
         };
-        let refuse = |reason: String, remedy: String| RecordingError::Malformed {
-            path: path.to_owned(),
-            place: format!("topic {}", topic.name),
-            reason,
-            remedy,
+        let refuse = |reason: String, remedy: String| {
+            RecordingError::malformed(path, format!("topic {}", topic.name), reason, remedy)
         };
         if !joints.decode_next()? {
             return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));

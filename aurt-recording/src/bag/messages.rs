@@ -103,11 +103,11 @@ impl<'a> Messages<'a> {
     }
 
     pub(super) fn malformed(&self, reason: String, remedy: &str) -> RecordingError {
-        RecordingError::Malformed {
-            path: self.path.to_owned(),
-            place: format!("after message {} of {}", self.read, self.name),
+        RecordingError::malformed(
+            self.path,
+            format!("after message {} of {}", self.read, self.name),
             reason,
-            remedy: remedy.to_owned(),
-        }
+            remedy,
+        )
     }
 }

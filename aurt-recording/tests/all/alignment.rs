@@ -7,17 +7,7 @@ use aurt_recording::{PreprocessOptions, ReadReport, Recording, Segment, preproce
 use aurt_traits::MeasurementUnit;
 use serde_json::Value;
 
-fn series(samples: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed;
-    (0..samples)
-        .map(|k| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let noise = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let k = k as f64;
-            (0.05 * k).sin() + 0.3 * (0.7 * k + seed as f64).sin() + 0.01 * k + noise
-        })
-        .collect()
-}
+use crate::filters::series;
 
 /// A motion between two rests, as in `make_reference.py`.
 fn position(samples: usize, rate_hz: f64, joint: usize) -> Vec<f64> {

@@ -104,9 +104,6 @@ const SHARE: f64 = 0.8;
 const EVER: [f64; 2] = [0.5, 0.05];
 
 /// Plans the next motion for an experiment.
-///
-/// # Errors
-/// What makes a recording unfit, and what the diagnosis reports; limits without room.
 pub fn plan_next(
     experiment: &Experiment,
     registry: &Registry,
@@ -132,7 +129,7 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
     let chain = robot.geometry.chain(robot.gravity_m_s2)?;
     let refuse = |reason: &str| {
         let remedy = "keep the arm away with --limits".into();
-        Err(Failure::Argument { option: "--keep-out", reason: reason.into(), remedy })
+        Err(Failure::argument("--keep-out", reason, remedy))
     };
     if chain.joints().len() != robot.robot_joints().count {
         return refuse(
@@ -175,11 +172,11 @@ impl<'a> Planner<'a> {
         let (limits, mut notes) = match &options.limits {
             Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
             Some(limits) => {
-                return Err(Failure::Argument {
-                    option: "--limits",
-                    reason: format!("has limits of {} joints, the robot has {joints}", limits.len()),
-                    remedy: "write a row for each joint".into(),
-                });
+                return Err(Failure::argument(
+                    "--limits",
+                    format!("has limits of {} joints, the robot has {joints}", limits.len()),
+                    "write a row for each joint",
+                ));
             }
             None => limits_of(question.recordings, question.model.names()),
         };
@@ -295,11 +292,11 @@ impl<'a> Planner<'a> {
         }
         if drawn.is_empty() {
             let (option, what, remedy) = refusal;
-            return Err(Failure::Argument {
+            return Err(Failure::argument(
                 option,
-                reason: format!("no motion of up to {:.1} s {what}", self.options.duration_s),
-                remedy: remedy.into(),
-            });
+                format!("no motion of up to {:.1} s {what}", self.options.duration_s),
+                remedy,
+            ));
         }
         progress.step(format!("evaluating {} motions", drawn.len()));
         let evaluated = drawn.into_par_iter().map(|(trajectory, words)| {
@@ -316,11 +313,11 @@ impl<'a> Planner<'a> {
         };
         let safe: Vec<Piece> = pieces.filter(is_safe).collect();
         if safe.is_empty() {
-            return Err(Failure::Argument {
-                option: "--limits",
-                reason: "no motion that was tried needs torques as small as the recorded ones".into(),
-                remedy: "state the limits of the arm in a table, or try more with --tries".into(),
-            });
+            return Err(Failure::argument(
+                "--limits",
+                "no motion that was tried needs torques as small as the recorded ones",
+                "state the limits of the arm in a table, or try more with --tries",
+            ));
         }
         Ok(safe)
     }

@@ -124,7 +124,6 @@ pub enum Followed {
 
 impl Followed {
     /// Whether its rows come on standard input.
-    #[must_use]
     pub fn is_running(&self) -> bool {
         matches!(self, Self::File(path) if path.as_path() == Path::new(STANDARD_INPUT))
     }
@@ -150,12 +149,11 @@ pub fn track(
     said: &mut dyn FnMut(&Alarm),
 ) -> Result<Tracked, Failure> {
     if experiment.arm_term_recordings.iter().any(Option::is_some) {
-        return Err(Failure::Argument {
-            option: "EXPERIMENT.toml",
-            reason: "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does"
-                .into(),
-            remedy: "calibrate without that term, on recordings without it".into(),
-        });
+        return Err(Failure::argument(
+            "EXPERIMENT.toml",
+            "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does",
+            "calibrate without that term, on recordings without it",
+        ));
     }
     check_robot_of(calibrated, experiment)?;
     let calibration = &calibrated.calibration;
@@ -275,20 +273,18 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in paths {
         if path.as_path() == Path::new(STANDARD_INPUT) && found.contains(path) {
-            return Err(Failure::Argument {
-                option: "RECORDING",
-                reason: "standard input is named twice".into(),
-                remedy: "name `-` once".into(),
-            });
+            return Err(Failure::argument("RECORDING", "standard input is named twice", "name `-` once"));
         }
         if !path.is_dir() || is_recording_folder(path) {
             found.push(path.clone());
             continue;
         }
-        let refuse = |reason: String| Failure::Argument {
-            option: "RECORDING",
-            reason: format!("{} {reason}", path.display()),
-            remedy: "name recordings, or a folder with recordings".into(),
+        let refuse = |reason: String| {
+            Failure::argument(
+                "RECORDING",
+                format!("{} {reason}", path.display()),
+                "name recordings, or a folder with recordings",
+            )
         };
         let entries = std::fs::read_dir(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
         let mut inside = Vec::new();
