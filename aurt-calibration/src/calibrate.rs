@@ -113,9 +113,6 @@ pub(crate) struct FittedTo<'a> {
 }
 
 /// A calibration from its solution.
-///
-/// # Errors
-/// What models report, and [`make_consistent`].
 pub(crate) fn finished(
     setting: &Setting<'_>,
     system: &System,

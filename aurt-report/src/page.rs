@@ -64,7 +64,6 @@ pub enum Block {
 
 impl Page {
     /// All figures in their order, each with a file name that no other has.
-    #[must_use]
     pub fn figures(&self) -> Vec<(String, &Figure)> {
         let mut figures = Vec::new();
         for section in &self.sections {

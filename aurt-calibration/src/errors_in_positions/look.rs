@@ -113,9 +113,6 @@ fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationE
 }
 
 /// Whether noise of the positions is more than negligible at any joint.
-///
-/// # Errors
-/// What filters report.
 pub(crate) fn position_noise_matters(
     model: &RobotModel,
     recordings: &[&NamedRecording],

@@ -150,9 +150,6 @@ impl<'r> FitRows<'r> {
     }
 
     /// The split columns of some sources, in the order of the sources; `loads` holds τ_J of each piece.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn columns(
         &self,
         sources: &[Source<'_>],

@@ -87,9 +87,6 @@ pub fn describe_drive(listing: &DriveListing) -> Value {
 }
 
 /// Everything that is known of a model.
-///
-/// # Errors
-/// If its example gives no model.
 pub fn describe(registry: &Registry, model: &ModelListing) -> Result<Value, Failure> {
     let description = registry.describe(model, EXAMPLE_JOINTS).map_err(aurt_plugins::model::Error::Build)?;
     let columns: Vec<Value> =

@@ -86,7 +86,6 @@ impl Complaint {
         Self { help: Some(help.into()), ..self }
     }
 
-    #[must_use]
     pub fn located(self, text: &str) -> Problem {
         let before = text.get(..self.span.start).unwrap_or(text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);

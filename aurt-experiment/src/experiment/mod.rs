@@ -111,9 +111,6 @@ impl Experiment {
     }
 
     /// Reads an experiment from its text; relative paths start at the folder of `path`.
-    ///
-    /// # Errors
-    /// All problems at once.
     pub fn parse(text: &str, path: &Path, registry: &mut Registry) -> Result<Self, Box<ExperimentErrors>> {
         let fail = |complaints| Box::new(ExperimentErrors::new(path.to_owned(), text.to_owned(), complaints));
         let root = syntax(text).map_err(fail)?;
@@ -130,7 +127,6 @@ impl Experiment {
     }
 
     /// Number of joints N of the robot.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.robot.joints()
     }

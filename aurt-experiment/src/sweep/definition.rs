@@ -57,9 +57,6 @@ const VARIANT_KEYS: [&str; 2] = ["name", "set"];
 
 impl Definition {
     /// Reads `[sweep]`.
-    ///
-    /// # Errors
-    /// Everything that is wrong with it.
     pub(crate) fn read(sweep: &Node) -> Result<Self, Vec<Complaint>> {
         let mut complaints = Vec::new();
         if !matches!(sweep.kind, NodeKind::Table(_)) {

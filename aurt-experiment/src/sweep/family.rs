@@ -42,9 +42,6 @@ pub(crate) struct SharedRows<'r> {
 }
 
 /// The robot model of an experiment on rigid bodies that are known already.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn point_model(
     experiment: &Experiment,
     bodies: &RigidBodyDynamics,
@@ -55,9 +52,6 @@ pub(crate) fn point_model(
 
 /// Reads and preprocesses what the points of a family share, evaluates and filters the rigid bodies' columns, and hands
 /// them over.
-///
-/// # Errors
-/// What is wrong with a recording or the rigid bodies.
 pub(crate) fn with_shared_rows<R>(
     first: &Point,
     validate: Validate,

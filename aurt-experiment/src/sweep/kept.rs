@@ -30,9 +30,6 @@ fn checksum(key: &str, outcome: &Outcome) -> serde_json::Result<String> {
 }
 
 /// The contents of the file.
-///
-/// # Errors
-/// If the result cannot be written as JSON.
 pub fn to_bytes(result: &PointResult) -> serde_json::Result<Vec<u8>> {
     let checksum = checksum(&result.key, &result.outcome)?;
     let PointResult { schema, key, outcome } = result.clone();

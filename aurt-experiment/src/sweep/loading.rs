@@ -28,9 +28,6 @@ pub struct Settings {
 /// Reads recordings as `aurt run` does; the sweep itself reads none.
 pub trait Loader: Sync {
     /// Reads and preprocesses the recordings of an experiment.
-    ///
-    /// # Errors
-    /// What is wrong with one.
     fn load(&self, experiment: &Experiment, validate: Validate) -> Result<Data, PointError>;
 
     fn settings(&self, experiment: &Experiment) -> Settings;

@@ -88,7 +88,6 @@ struct Entry<'p> {
 
 impl Ranking {
     /// Ranks what a folder holds.
-    #[must_use]
     pub fn of(folder: &Folder, plan: &Plan, rows: Rows) -> Self {
         let (mut entries, mut failed, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for (k, point) in plan.points.iter().enumerate() {
@@ -195,7 +194,6 @@ impl Ranking {
     }
 
     /// The table as CSV, one row a point; points that failed have their error in the last column.
-    #[must_use]
     pub fn to_csv(&self) -> String {
         let joints = self.ranked.first().map_or(0, |r| r.joints.len());
         let mut header: Vec<String> =

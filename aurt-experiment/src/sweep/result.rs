@@ -115,19 +115,16 @@ impl JointErrors {
     }
 
     /// Mean squared error; `NaN` without rows.
-    #[must_use]
     pub fn mse(&self) -> f64 {
         self.squared_error / self.rows as f64
     }
 
     /// Mean squared error over mean absolute measurement (Table II of the paper).
-    #[must_use]
     pub fn nmse(&self) -> f64 {
         self.squared_error / self.absolute_measurement
     }
 
     /// Root mean squared error over root mean squared measurement, as a fraction.
-    #[must_use]
     pub fn nrmse(&self) -> f64 {
         (self.squared_error / self.squared_measurement).sqrt()
     }
@@ -135,7 +132,6 @@ impl JointErrors {
 
 impl Judged {
     /// The errors over some rows, joint after joint.
-    #[must_use]
     pub fn errors(&self, rows: Rows) -> &[JointErrors] {
         match rows {
             Rows::All => &self.all,
@@ -151,7 +147,6 @@ impl Evaluation {
     }
 
     /// The sums of each joint over all held-out recordings; their blocks follow each other.
-    #[must_use]
     pub fn pooled(&self, rows: Rows) -> Vec<JointErrors> {
         let mut pooled: Vec<JointErrors> = Vec::new();
         for errors in self.judged().map(|j| j.errors(rows)) {

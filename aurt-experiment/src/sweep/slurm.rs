@@ -93,7 +93,6 @@ fn submitted(sbatch: &mut Command, arguments: &[String]) -> Result<String, Strin
 }
 
 /// Ascending numbers as Slurm writes them: `1-3,7`.
-#[must_use]
 pub fn ranges(numbers: &[usize]) -> String {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for n in numbers {

@@ -81,13 +81,11 @@ pub struct Improved {
 
 impl Diagnosis {
     /// Whether something has changed or is missing.
-    #[must_use]
     pub fn is_found(&self) -> bool {
         aurt::is_found(&self.verdict)
     }
 
     /// The verdict in a dozen lines.
-    #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let about_physics = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.about_physics);
         let Self { verdict, asked, held_out, .. } = self;
@@ -98,9 +96,6 @@ impl Diagnosis {
 }
 
 /// Diagnoses an experiment.
-///
-/// # Errors
-/// What makes a recording unfit, and what the diagnosis reports.
 pub fn diagnose_experiment(
     experiment: &Experiment,
     registry: &mut Registry,

@@ -100,7 +100,6 @@ fn rounded(value: f64) -> f64 {
 
 impl DriveGains {
     /// The table, what to write into the experiment, and what to know.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let expected = self.question == Question::Expectation;
         let reference = self.gains.reference;

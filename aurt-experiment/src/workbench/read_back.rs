@@ -48,16 +48,12 @@ pub struct TorqueDifference {
 
 impl TorqueDifference {
     /// The difference over the torque; zero without torque.
-    #[must_use]
     pub fn relative(&self) -> f64 {
         if self.torque_nm > 0.0 { self.difference_nm / self.torque_nm } else { 0.0 }
     }
 }
 
 /// The differences of all joints over sines that reach the speeds of the calibration.
-///
-/// # Errors
-/// Those of reading the description; a description with another number of joints than the model.
 pub(super) fn torque_differences(
     calibrated: &CalibratedModel,
     written: &WrittenDescription<'_>,

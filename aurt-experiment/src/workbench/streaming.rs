@@ -21,9 +21,6 @@ const MEMORY_PER_BYTE: u64 = 8;
 
 /// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::workbench::experiments::fit_experiment) does
 /// with whole ones; predictions for their rows are not made.
-///
-/// # Errors
-/// As [`fit_in_stretches`].
 pub fn fit_experiment_in_stretches(
     experiment: &Experiment,
     because: TooLarge,

@@ -33,9 +33,6 @@ pub struct CaseRequest {
 
 impl CaseRequest {
     /// The kinds of the effects.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownEffect`].
     pub fn kinds(&self) -> Result<Vec<&'static EffectKind>, SimulationError> {
         self.effects.iter().map(|name| kind(name)).collect()
     }
@@ -59,7 +56,6 @@ impl CaseRequest {
             .unwrap_or(chance)
     }
 
-    #[must_use]
     pub fn is_possible(robot: &Robot, kinds: &[&EffectKind]) -> bool {
         let rotors: Vec<Rotors> = kinds.iter().filter_map(|k| k.rotors).collect();
         let present: Vec<Presence> =

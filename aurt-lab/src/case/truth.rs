@@ -67,9 +67,6 @@ pub struct ValidationFloor {
 
 impl Truth {
     /// Reads a sealed truth.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         crate::json_file::read(path.as_ref())
     }

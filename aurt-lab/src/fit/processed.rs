@@ -20,9 +20,6 @@ pub struct ProcessedFit {
 }
 
 /// A recording after the usual preprocessing for dynamics up to `f_dyn_hz`, torques in Nm, rest trimmed.
-///
-/// # Errors
-/// Whatever preprocessing refuses.
 pub fn processed_motion(
     recording: &SimulatedRecording,
     robot: &Robot,
@@ -50,9 +47,6 @@ pub fn processed_motion(
 
 impl ProcessedFit {
     /// Fits the structure to recordings, joints weighted by the inverse variance of what a first fit leaves.
-    ///
-    /// # Errors
-    /// If the structure does not fit the robot or a series cannot be filtered.
     pub fn new(
         robot: &Robot,
         structure: &Structure,
@@ -91,15 +85,11 @@ impl ProcessedFit {
     }
 
     /// The fitted coefficients: base parameters, then each joint's terms.
-    #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
     /// What the fit leaves of a recording, joint by joint, in Nm on the decimated rows.
-    ///
-    /// # Errors
-    /// If a series cannot be filtered.
     pub fn residuals(&self, recording: &Preprocessed) -> Result<Vec<Vec<f64>>, SimulationError> {
         let mut residuals = vec![Vec::new(); self.weights.len()];
         for segment in &recording.segments {
@@ -112,9 +102,6 @@ impl ProcessedFit {
     }
 
     /// Root mean square of [`Self::residuals`], Nm per joint.
-    ///
-    /// # Errors
-    /// As [`Self::residuals`].
     pub fn residual_rms_nm(&self, recording: &Preprocessed) -> Result<Vec<f64>, SimulationError> {
         Ok(self.residuals(recording)?.iter().map(|r| mean_square(r).sqrt()).collect())
     }

@@ -23,9 +23,6 @@ pub trait Source: Sync {
     fn planned(&self) -> &[Planned];
 
     /// Writes the folder of a case into `cases` and its truth into `sealed`; or says why it cannot be made.
-    ///
-    /// # Errors
-    /// The reason, as a person reads it.
     fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
 
     /// Lines on cases that the plan asks for and the world does not have.
@@ -44,9 +41,6 @@ pub trait Source: Sync {
     }
 
     /// Those recordings.
-    ///
-    /// # Errors
-    /// If there are none of that name.
     fn reference(&self, name: &str) -> Result<Case, SimulationError> {
         Err(SimulationError::Unreadable { path: name.into(), reason: "this world has no references".into() })
     }

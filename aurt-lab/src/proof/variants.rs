@@ -69,9 +69,6 @@ impl Variant {
     }
 
     /// The files of the variant of a case, or why the case does not have it.
-    ///
-    /// # Errors
-    /// A case whose files cannot be read.
     pub fn files(self, case: &Path) -> Result<Result<NamedFiles, Unfit>, Failure> {
         let mut files = read(case)?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

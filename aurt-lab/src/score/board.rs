@@ -19,7 +19,6 @@ pub struct Scoreboard {
 impl Scoreboard {
     /// The board of a set of scores. Where there are several worlds, the confidences of each are also those of the curve
     /// that is learnt on the others.
-    #[must_use]
     pub fn of(scores: &[CaseScore]) -> Self {
         let mut by_world: BTreeMap<World, Vec<CaseScore>> = BTreeMap::new();
         for score in scores {

@@ -104,7 +104,6 @@ pub struct ScoredFinding {
 
 /// Scores a verdict against the truth. `removed` is the effect that the diagnosis was not allowed to know, `reference`
 /// the verdict on the same recordings without the effects.
-#[must_use]
 pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Option<&Claim>) -> CaseScore {
     let of_change_alone = is_of_change_alone(truth);
     let background = Background::new(truth, reference.filter(|_| !of_change_alone));
@@ -181,7 +180,6 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
 
 impl CaseScore {
     /// Whether the true effect is claimed, on its joints and in its kinds of recordings, whatever else is.
-    #[must_use]
     pub fn sees(&self) -> bool {
         self.anywhere && self.joints_right != Some(false) && self.presence_right != Some(false)
     }

@@ -28,19 +28,16 @@ pub enum Answer {
 
 impl Answer {
     /// Whether the answer gives what is missing a name.
-    #[must_use]
     pub const fn names(self) -> bool {
         matches!(self, Self::Named | Self::Ambiguous | Self::PartlyExplained)
     }
 
     /// Whether the answer says that something is missing beside what has a name.
-    #[must_use]
     pub const fn leaves_something(self) -> bool {
         matches!(self, Self::PartlyExplained | Self::Unexplained | Self::HeldOutDiffers)
     }
 
     /// Its name in files and tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoMismatch => "no_mismatch",
@@ -146,13 +143,11 @@ pub(super) fn is_change(present_in: &[String]) -> bool {
 
 impl ClaimedEffect {
     /// Whether it is claimed of the later recordings alone.
-    #[must_use]
     pub fn is_change(&self) -> bool {
         is_change(&self.present_in)
     }
 
     /// Its evidence as far as it is finite numbers, by name.
-    #[must_use]
     pub fn numbers(&self) -> BTreeMap<String, f64> {
         let number = |(name, value): (&String, &Value)| {
             Some((name.clone(), value.as_f64().filter(|v| v.is_finite())?))
@@ -164,9 +159,6 @@ impl ClaimedEffect {
 
 impl Claim {
     /// Reads a `verdict.json`.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
         let read = crate::json_file::read(path)?;
@@ -182,7 +174,6 @@ impl Claim {
     }
 
     /// What a diagnosis that gave no verdict claims: nothing, and not even that.
-    #[must_use]
     pub fn failed() -> Self {
         Self {
             verdict: Answer::Failed,
@@ -194,13 +185,11 @@ impl Claim {
     }
 
     /// Joints on which a black box is better than the improved model, of those on which it was judged.
-    #[must_use]
     pub fn rival_better(&self) -> Share {
         Share::counted(self.remainder.iter().filter_map(|r| r.predictable), |p| p.value > BETTER)
     }
 
     /// The answer to what has changed, or to what is missing in all recordings.
-    #[must_use]
     pub fn answer(&self, change: bool) -> Answer {
         if change { self.verdict } else { self.structure.unwrap_or(self.verdict) }
     }

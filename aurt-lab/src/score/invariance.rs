@@ -36,7 +36,6 @@ pub const HALVES: &str = "halves";
 
 impl Invariance {
     /// The agreement of some cases; none without a variant.
-    #[must_use]
     pub fn of(scores: &[&CaseScore]) -> Option<Self> {
         let mut all = Self::default();
         for score in scores {

@@ -63,7 +63,6 @@ impl Rate {
     }
 
     /// The rate by Laplace's rule of succession: the mean of what it can be when nothing was known before.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         (self.hits as f64 + 1.0) / (self.findings as f64 + 2.0)
     }
@@ -75,7 +74,6 @@ const SCORE: &str = "score";
 impl Learnt {
     /// Learns from the scores of proofs: world, seed, scores. Findings under every answer count, those under
     /// `unexplained` as well; cases whose candidate was removed have none.
-    #[must_use]
     pub fn of(proofs: &[(World, u64, &[CaseScore])]) -> Self {
         let learnt_from = proofs
             .iter()
@@ -96,7 +94,6 @@ impl Learnt {
         }
     }
 
-    #[must_use]
     pub fn confidence(&self, finding: &ScoredFinding) -> f64 {
         if finding.ambiguous {
             return self.ambiguous.rate();
@@ -130,7 +127,6 @@ impl Curves {
     }
 
     /// The hit rate at some evidence: by what tells most, else by the score; none where neither is there.
-    #[must_use]
     pub fn rate(&self, evidence: &BTreeMap<String, f64>) -> Option<f64> {
         let by = |name: &str| Some(interpolated(self.curves.get(name)?, *evidence.get(name)?));
         by(&self.by).or_else(|| by(SCORE))

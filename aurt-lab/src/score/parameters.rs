@@ -18,7 +18,6 @@ pub struct ParameterError {
 
 impl ParameterError {
     /// Whether the truth is within two claimed standard deviations; none where none is claimed.
-    #[must_use]
     pub fn is_covered(&self) -> Option<bool> {
         self.in_std.map(|z| z.abs() <= 2.0)
     }

@@ -25,7 +25,6 @@ impl Share {
     }
 
     /// The share, none of nothing.
-    #[must_use]
     pub fn ratio(&self) -> Option<f64> {
         (self.of > 0).then(|| self.count as f64 / self.of as f64)
     }

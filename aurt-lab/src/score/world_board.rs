@@ -55,7 +55,6 @@ pub struct Singles {
 
 impl Singles {
     /// Counts some cases.
-    #[must_use]
     pub fn of(scores: &[&CaseScore]) -> Self {
         let share = |is: fn(&&CaseScore) -> bool| Share::counted(scores.iter().copied(), is);
         let mean_of = |value: fn(&CaseScore) -> Option<f64>| mean(scores.iter().filter_map(|s| value(s)));
@@ -150,7 +149,6 @@ pub struct WorldBoard {
 
 impl WorldBoard {
     /// The board of the scores of one world; `elsewhere` was learnt on the others.
-    #[must_use]
     pub fn of(scores: &[CaseScore], elsewhere: Option<&Learnt>) -> Self {
         let own: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_none()).collect();
         let known_before = own.iter().filter(|s| s.known_before).count();

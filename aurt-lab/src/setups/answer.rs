@@ -28,7 +28,6 @@ impl Outcome {
     /// All, in the order of tables.
     pub const ALL: [Self; 5] = [Self::Told, Self::Refused, Self::Doubted, Self::Accused, Self::Silent];
 
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Told => "told",

@@ -15,7 +15,6 @@ pub struct Board {
 
 impl Board {
     /// Tables in Markdown.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let row = |what: &str, of: &[&Answer]| {

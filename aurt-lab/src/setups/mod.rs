@@ -30,9 +30,6 @@ pub struct Counted {
 }
 
 /// Makes setups, asks `program check` about each, and forgets its files unless `keep` is set.
-///
-/// # Errors
-/// Robots that cannot be simulated, files that cannot be written, a program that cannot be started.
 pub fn counted(
     counted: Counted,
     program: &Path,

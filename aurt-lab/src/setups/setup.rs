@@ -82,9 +82,6 @@ impl Setup {
     }
 
     /// A right setup.
-    ///
-    /// # Errors
-    /// If the robot cannot be simulated.
     pub fn draw(random: &mut Random) -> Result<Self, SimulationError> {
         let (robot, geometry) = robot(random);
         let motions = Motions::draw(random);

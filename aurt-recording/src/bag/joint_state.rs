@@ -22,9 +22,6 @@ pub(crate) struct JointState {
 
 impl JointState {
     /// Takes the message of these bytes.
-    ///
-    /// # Errors
-    /// What is wrong with them.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
         let mut body = CdrBody::of(bytes)?;
         self.stamp_ns = body.time_ns().ok_or(BREAKS_OFF)?;
@@ -37,9 +34,6 @@ impl JointState {
     }
 
     /// Takes the names of the joints.
-    ///
-    /// # Errors
-    /// What is wrong with them.
     pub(super) fn name(&mut self, body: &mut CdrBody<'_>) -> Result<(), &'static str> {
         let (start, count) = body.names()?;
         let written = body.since(start);

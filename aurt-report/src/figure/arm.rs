@@ -37,7 +37,6 @@ pub struct Shade {
 }
 
 impl Shade {
-    #[must_use]
     pub fn of(multiple: f64) -> Self {
         Self { multiple, level: LEVELS.iter().filter(|l| multiple > **l).count() }
     }

@@ -36,7 +36,6 @@ pub(crate) enum Target {
 
 impl Figure {
     /// The stem of its file name: letters, digits, `_` and `-` alone.
-    #[must_use]
     pub fn name(&self) -> String {
         let name = match self {
             Self::Plot(plot) => &plot.name,
@@ -48,7 +47,6 @@ impl Figure {
     }
 
     /// The figure as a file of its own, for papers: dark on white, with title and legend.
-    #[must_use]
     pub fn to_svg(&self) -> String {
         match self {
             Self::Plot(plot) => plot.draw(Target::File),

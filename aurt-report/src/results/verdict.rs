@@ -36,7 +36,6 @@ pub struct Shown<'a> {
 const SHOWN_INDICATIONS: usize = 3;
 
 impl<'a> Shown<'a> {
-    #[must_use]
     pub fn of(explanation: &'a Explanation) -> Self {
         let Diagnosis { verdict, asked, unit } = &explanation.diagnosis;
         let held_out = &verdict.held_out.recordings;

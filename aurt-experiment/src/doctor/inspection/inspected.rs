@@ -28,9 +28,6 @@ pub struct Reading {
 
 impl Reading {
     /// Reads a recording, and reads it again where its stamps show that they are in another unit.
-    ///
-    /// # Errors
-    /// What `read` reports.
     pub fn of<E>(source: Source, read: impl Fn(Source) -> Result<Loaded, E>) -> Result<Self, E> {
         let loaded = read(source.clone())?;
         let read_in = source.recorded.time.unwrap_or(TimeUnit::Second);
@@ -57,9 +54,6 @@ pub struct Inspected {
 
 impl Inspected {
     /// Looks at a recording.
-    ///
-    /// # Errors
-    /// What makes it unfit.
     pub fn new(reading: Reading, preprocessing: &Preprocessing) -> Result<Self, Failure> {
         let Reading { loaded, stamps } = reading;
         let instrument = Instrument::default();
@@ -114,9 +108,6 @@ impl Inspected {
 
     /// The recording as a calibration takes it, cut to the motion, with joints that rest exactly at rest: the noise of a
     /// sensor excites nothing.
-    ///
-    /// # Errors
-    /// If the series do not fit each other.
     pub fn still(&self, preprocessing: &Preprocessing) -> Result<NamedRecording, Failure> {
         let preprocessing = Preprocessing { trim_rest: true, ..preprocessing.clone() };
         let pipeline = Pipeline {

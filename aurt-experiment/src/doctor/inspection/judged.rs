@@ -27,17 +27,11 @@ pub struct Judged {
 }
 
 /// A model by its table.
-///
-/// # Errors
-/// All complaints about the table.
 pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
     registry.build_from_json(&table).map_err(Into::into)
 }
 
 /// Coulomb and linear viscous friction: the least that a joint has.
-///
-/// # Errors
-/// If the registry lacks a model.
 pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
@@ -48,9 +42,6 @@ pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// The same with friction that grows with the load.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "absolute" }))?,
@@ -61,9 +52,6 @@ pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// Coulomb friction that builds up over a distance, and linear viscous friction.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
@@ -74,9 +62,6 @@ pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Failure> {
     ["rotor_inertia", "current_offset"]
         .map(|model| build::<dyn ArmTerm>(registry, json!({ "model": model })))
@@ -87,9 +72,6 @@ pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Fail
 impl Judged {
     /// Judges motions for a model, all together: what one does not excite another may. `unit` is that of the measurement,
     /// if there is any.
-    ///
-    /// # Errors
-    /// What models report.
     pub fn new(
         model: RobotModel,
         recordings: &[NamedRecording],

@@ -105,9 +105,6 @@ impl Subject {
     }
 
     /// The robot and the recordings of an experiment.
-    ///
-    /// # Errors
-    /// If the geometry gives no chain.
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
         let geometry = &experiment.robot.geometry;
         let rigid_body = experiment.robot.rigid_body()?;
@@ -161,9 +158,6 @@ fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
 }
 
 /// Reads what an experiment calibrates and validates on.
-///
-/// # Errors
-/// What is wrong with a file.
 pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
     let recordings = &experiment.recordings;
     let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
@@ -236,7 +230,6 @@ impl Part {
     }
 
     /// The same with other samples or another way of preprocessing.
-    #[must_use]
     pub fn with(&self, recording: Arc<Recording>, options: Arc<Preprocessing>) -> Self {
         Self {
             file: self.file,
@@ -253,9 +246,6 @@ impl Part {
 
 impl Setup {
     /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does.
-    ///
-    /// # Errors
-    /// If a window holds no samples.
     pub fn of(subject: &Subject, extent: Extent) -> Result<Self, Failure> {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);

@@ -26,9 +26,6 @@ pub fn robot() -> Robot {
 }
 
 /// Geometry, recordings and experiment.
-///
-/// # Errors
-/// What the simulator reports.
 pub fn files() -> Result<Vec<File>, SimulationError> {
     let robot = robot();
     let exciting = Motion::MultiSine { duration_s: 20.0, harmonics: 8, top_hz: 1.0, share: 0.6 };

@@ -67,9 +67,6 @@ impl Number<'_> {
 }
 
 /// Judges the drives and joints that others fitted by the recordings of an experiment; a file of `parameters` corrects them.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn second_opinion(
     experiment: &Experiment,
     file: &Path,

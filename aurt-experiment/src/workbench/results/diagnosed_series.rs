@@ -27,9 +27,6 @@ type Series = Vec<Vec<f64>>;
 
 impl DiagnosedSeries {
     /// The contents of a file.
-    ///
-    /// # Errors
-    /// Stamps that MCAP cannot have.
     pub fn to_file(&self, format: SeriesFormat, verdict: &Verdict) -> Result<Vec<u8>, Failure> {
         let RecordingSeries { name, role, time_s, joints, .. } = &self.rows;
         let of = |values: fn(&JointSeriesRows) -> &Vec<f64>| -> Series {
@@ -81,9 +78,6 @@ impl DiagnosedSeries {
 }
 
 /// The series of a diagnosis, each as the name and the contents of a file. Parts of one file have a file each.
-///
-/// # Errors
-/// As [`DiagnosedSeries::to_file`].
 pub fn files(
     series: &[DiagnosedSeries],
     verdict: &Verdict,

@@ -26,9 +26,6 @@ pub struct Check {
 }
 
 /// Checks at most `most` rows, spread evenly over those that have a limit in the recordings' own noise.
-///
-/// # Errors
-/// What the diagnoses report.
 pub fn check(
     trials: &Trials<'_>,
     rows: &[Row],

@@ -66,9 +66,6 @@ struct Limits {
 }
 
 /// The limits of effects on joints, each by itself.
-///
-/// # Errors
-/// What the diagnoses report.
 pub fn search(
     trials: &Trials<'_>,
     effects: &[Kind],

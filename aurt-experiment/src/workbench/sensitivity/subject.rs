@@ -33,7 +33,6 @@ pub struct Place {
 
 impl Subject {
     /// Names of the robot's joints and links.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         self.model.names()
     }
@@ -92,9 +91,6 @@ impl Subject {
     }
 
     /// A recording of the question with effects, as read.
-    ///
-    /// # Errors
-    /// If the rigid bodies refuse.
     pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
         let recorded = &self.injection.recorded()[place.number];
         let here: Vec<&Added> = effects.iter().copied().filter(|e| self.has(place, e)).collect();
@@ -131,9 +127,6 @@ impl Subject {
     }
 
     /// What a whole diagnosis claims of the recordings with effects.
-    ///
-    /// # Errors
-    /// What the diagnosis reports.
     pub fn diagnosed(&self, effects: &[&Added], registry: &Registry) -> Result<Claims, Failure> {
         let recordings = self.with(effects)?;
         let question = self.asked(&recordings);

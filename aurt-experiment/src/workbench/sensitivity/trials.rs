@@ -50,9 +50,6 @@ impl<'a> Trials<'a> {
     }
 
     /// The rows that an effect adds to the recordings.
-    ///
-    /// # Errors
-    /// What the rigid bodies and the filters report.
     pub fn rows(&self, effect: &Added) -> Result<AddedRows, Failure> {
         let mut rows = self.prepared.nothing();
         for (r, place) in self.subject.places().into_iter().enumerate() {
@@ -66,9 +63,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What is claimed of rows with an effect; `turn` is that of [`Prepared::said_with`].
-    ///
-    /// # Errors
-    /// What the diagnosis reports.
     pub fn claims(&self, kind: &Kind, added: &AddedRows, turn: f64) -> Result<Claims, Failure> {
         let joints = self.subject.injection.joints();
         Ok(match self.prepared.said_with(kind.identifier, added, turn)? {
@@ -82,9 +76,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What is claimed of recordings that an effect makes faulty.
-    ///
-    /// # Errors
-    /// What preprocessing reports.
     pub fn faults(&self, effect: &Added) -> Result<Claims, Failure> {
         let places = self.subject.places().into_iter();
         let altered =
@@ -97,9 +88,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What a whole diagnosis claims.
-    ///
-    /// # Errors
-    /// What it reports.
     pub fn whole(&self, effect: &Added) -> Result<Claims, Failure> {
         self.subject.diagnosed(&[effect], self.registry)
     }
