@@ -273,7 +273,8 @@ impl Recording {
     }
 
     /// The samples of a range.
-    pub(crate) fn rows(&self, range: Range<usize>) -> Self {
+    #[must_use]
+    pub fn rows(&self, range: Range<usize>) -> Self {
         let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[range.clone()].to_vec()).collect();
         Self {
             file: self.file.clone(),

@@ -113,7 +113,7 @@ impl Check {
     fn drives(&self, experiment: &Experiment, session: &Session<'_>) -> Result<Report, Failure> {
         let given = [("--fixed", self.fixed.is_some()), ("--out", self.out.is_some())];
         if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
-            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
+            let reason = "is of recordings with torques, and this experiment has a [drive]";
             let remedy = format!("leave out {option}: what is found is printed, and in the output of --json");
             return Err(Failure::argument(option, reason, remedy));
         }

@@ -196,13 +196,13 @@ impl Diagnose {
             ("--plots", self.plots.folder()?.is_some()),
         ];
         if let Some((option, _)) = unused.into_iter().find(|(_, given)| *given) {
-            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
+            let reason = "is of recordings with torques, and this experiment has a [drive]";
             return Err(Failure::argument(option, reason, "leave it out"));
         }
         if let Some(file) = &self.model {
             let chosen = [("--without", &self.without), ("--only", &self.only)];
             if let Some((option, _)) = chosen.into_iter().find(|(_, names)| !names.is_empty()) {
-                let reason = "chooses structures, and with `--model` the fit is judged as it is".into();
+                let reason = "chooses structures, and with `--model` the fit is judged as it is";
                 return Err(Failure::argument(option, reason, "leave it out"));
             }
             return write_drives(

@@ -172,13 +172,9 @@ impl Export {
             }
             (Some(_), original) => {
                 let option = if original.is_some() { "--into" } else { "TARGET" };
-                let reason =
-                    "a model of drives is exported as a MuJoCo model of its own or to Isaac Lab".into();
-                return Err(Failure::argument(
-                    option,
-                    reason,
-                    "use `aurt export mjcf` or `isaac` without `--into`",
-                ));
+                let reason = "a model of drives is exported as a MuJoCo model of its own or to Isaac Lab";
+                let remedy = "use `aurt export mjcf` or `isaac` without `--into`";
+                return Err(Failure::argument(option, reason, remedy));
             }
             (None, original) => {
                 let model = ModelFile::from_document(&self.model, document, &read, &session.registry)?;

@@ -235,8 +235,8 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
             Target::Sdf => sdf::export(source)?.into(),
             Target::Fmu(kind) => fmu::export(source, kind)?.into(),
             Target::Isaac => {
-                let reason = "is a model of torques, and Isaac Lab's actuators are of drives".into();
-                let remedy = "name drive_calibrated.json of an experiment with [drive]".into();
+                let reason = "is a model of torques, and Isaac Lab's actuators are of drives";
+                let remedy = "name drive_calibrated.json of an experiment with [drive]";
                 return Err(Failure::argument("MODEL", reason, remedy));
             }
         })

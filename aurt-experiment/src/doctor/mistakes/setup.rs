@@ -281,7 +281,7 @@ impl Setup {
                 file,
                 label: label.clone(),
                 fitted,
-                recording: Arc::new(cut(&recording, range)),
+                recording: Arc::new(recording.rows(range)),
                 options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
                 slow_rad_s,
                 origin_s,
@@ -321,7 +321,7 @@ impl Setup {
         let options = &parts[parts.len() - 1].options;
         let bound = |k: usize| k * whole.samples() / STRETCHES;
         let stretches: Vec<Arc<Recording>> =
-            (0..STRETCHES).map(|k| Arc::new(cut(&whole, bound(k)..bound(k + 1)))).collect();
+            (0..STRETCHES).map(|k| Arc::new(whole.rows(bound(k)..bound(k + 1)))).collect();
         let judged_by = |judge: usize| {
             let part = |(k, stretch): (usize, &Arc<Recording>)| Part {
                 fitted: k != judge,
@@ -421,16 +421,6 @@ fn joined(mut first: Recording, second: &Recording) -> Recording {
         extend(family, by);
     }
     first
-}
-
-fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {
-    let family = |family: &Vec<Vec<f64>>| family.iter().map(|s| s[range.clone()].to_vec()).collect();
-    Recording {
-        time_s: recording.time_s[range.clone()].to_vec(),
-        position_rad: family(&recording.position_rad),
-        measurement: recording.measurement.as_ref().map(family),
-        ..recording.clone()
-    }
 }
 
 /// The median distance of stamps, s; 1 without two.

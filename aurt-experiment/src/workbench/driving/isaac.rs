@@ -30,9 +30,8 @@ impl CalibratedDrive {
     pub fn to_isaac(&self, name: &str, experiment: Option<&Experiment>) -> Result<Exported, Failure> {
         let arm = &self.arm;
         if !follows_positions(arm) {
-            let (option, remedy) = ("TARGET", "export a drive that follows positions".to_owned());
-            let reason = "actuators of Isaac Lab follow positions, and these drives do not".into();
-            return Err(Failure::argument(option, reason, remedy));
+            let reason = "actuators of Isaac Lab follow positions, and these drives do not";
+            return Err(Failure::argument("TARGET", reason, "export a drive that follows positions"));
         }
         let actuator = |joint: &aurt_calibration::drives::DrivenJoint| {
             let (numbers, mechanics) = (joint.drive.parameters(), &joint.mechanics);

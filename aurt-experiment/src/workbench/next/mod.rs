@@ -17,7 +17,7 @@ use aurt_diagnosis::discrimination::{
 use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
-use aurt_recording::{ReadReport, RecordedJoints, Recording};
+use aurt_recording::Recording;
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
 use rayon::prelude::*;
 
@@ -127,10 +127,8 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
     }
     let robot = &experiment.robot;
     let chain = robot.geometry.chain(robot.gravity_m_s2)?;
-    let refuse = |reason: &str| {
-        let remedy = "keep the arm away with --limits".into();
-        Err(Failure::argument("--keep-out", reason, remedy))
-    };
+    let refuse =
+        |reason: &str| Err(Failure::argument("--keep-out", reason, "keep the arm away with --limits"));
     if chain.joints().len() != robot.robot_joints().count {
         return refuse(
             "joints of this robot follow others (mimic), and their motions are not compared with boxes",
@@ -382,17 +380,9 @@ impl<'a> Planner<'a> {
                 series.push(if step > 0.0 { step * (noisy / step).round() } else { noisy });
             }
         })?;
-        let rows = time_s.len();
-        Ok(Recording {
-            file: "the planned motion".into(),
-            time_s,
-            position_rad,
-            velocity_rad_s: None,
-            measurement: Some(vec![vec![0.0; rows]; joints]),
-            unit: self.question.unit,
-            joints: RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        })
+        let unknown = vec![vec![0.0; time_s.len()]; joints];
+        let recording = Recording::from_arrays(time_s, position_rad)?.named("the planned motion");
+        Ok(recording.with_measurement(unknown, self.question.unit)?)
     }
 
     /// A multi-sine as one plans it without knowing what is open.
