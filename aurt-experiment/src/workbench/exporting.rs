@@ -142,10 +142,7 @@ impl Exported {
     ) -> Result<Vec<PathBuf>, Failure> {
         let paths: Vec<PathBuf> = self.files.iter().map(|(name, _)| out.path().join(name)).collect();
         for path in &paths {
-            let refuse = |reason: &str, remedy: &str| {
-                let (reason, remedy) = (reason.to_owned(), remedy.to_owned());
-                Err(Failure::output(option, &path, reason, remedy))
-            };
+            let refuse = |reason: &str, remedy: &str| Err(Failure::output(option, path, reason, remedy));
             let remedy = "name another folder, remove the file, or overwrite it with `--force` (in Python `force=True`)";
             // An archive of another kind or version has the same name, and importers keep what they have unpacked.
             let is_archive = path.extension().is_some_and(|extension| extension == "fmu");
