@@ -84,12 +84,5 @@ fn main() {
 
 /// The first seconds of a recording.
 fn first(whole: &Recording, duration_s: f64) -> Recording {
-    let samples = (duration_s * RATE_HZ) as usize;
-    let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[..samples].to_vec()).collect();
-    Recording {
-        time_s: whole.time_s[..samples].to_vec(),
-        position_rad: cut(&whole.position_rad),
-        measurement: whole.measurement.as_ref().map(cut),
-        ..whole.clone()
-    }
+    whole.rows(0..(duration_s * RATE_HZ) as usize)
 }

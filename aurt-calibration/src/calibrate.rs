@@ -99,7 +99,6 @@ pub(crate) struct Setting<'a> {
     pub options: &'a CalibrationOptions,
 }
 
-/// What a solution was fitted to.
 pub(crate) struct FittedTo<'a> {
     /// The recordings, where they are available to be looked at again.
     pub rows: Option<Observed<'a>>,
@@ -114,9 +113,6 @@ pub(crate) struct FittedTo<'a> {
 }
 
 /// A calibration from its solution.
-///
-/// # Errors
-/// What models report, and [`make_consistent`].
 pub(crate) fn finished(
     setting: &Setting<'_>,
     system: &System,

@@ -7,11 +7,10 @@ use thiserror::Error;
 /// What can go wrong in calibration, validation and prediction.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum CalibrationError {
-    /// A model could not be evaluated.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A recording could not be preprocessed.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The recordings hold too few rows for the number of parameters (the paper asks for M > n_p).
@@ -20,26 +19,17 @@ pub enum CalibrationError {
          parameters and requires more samples than parameters; record longer, raise `f_dyn_hz` (less decimation) or \
          use a smaller model"
     )]
-    TooFewSamples {
-        /// Rows per joint.
-        rows: usize,
-        /// Number of parameters n_p.
-        parameters: usize,
-    },
+    TooFewSamples { rows: usize, parameters: usize },
     /// A recording has no measurement although one is needed.
     #[error(
         "{}: no current or torque columns, which calibration and validation require; \
          name them `current_0 …` or `torque_0 …`, or map them with `columns = {{ measurement = … }}`",
         file.display()
     )]
-    NoMeasurement {
-        /// The recording.
-        file: PathBuf,
-    },
+    NoMeasurement { file: PathBuf },
     /// The robot has another number of joints than a recording.
     #[error("{}: the recording has {found} joints, but the model has {expected}", file.display())]
     Joints {
-        /// The recording.
         file: PathBuf,
         /// Joints of the model.
         expected: usize,
@@ -48,16 +38,9 @@ pub enum CalibrationError {
     },
     /// Two factors over different columns cannot be merged.
     #[error("factors over {left} and {right} columns cannot be merged")]
-    Columns {
-        /// Columns of the one.
-        left: usize,
-        /// Columns of the other.
-        right: usize,
-    },
-    /// A prior that cannot be used.
+    Columns { left: usize, right: usize },
     #[error(transparent)]
     Prior(#[from] crate::consistent::PriorError),
-    /// No consistent estimate was found.
     #[error(
         "no physically consistent bodies, rotors and friction were found for these recordings; `estimator = \"wls\"` \
          shows the unconstrained estimate"
@@ -68,46 +51,25 @@ pub enum CalibrationError {
         "position noise makes up {percent:.0} % of the power of joint {joint}'s accelerations, and the rest determines no \
          parameters; {remedy}, or use `estimator = \"wls\"`"
     )]
-    NoisyPositions {
-        /// The noisiest joint.
-        joint: usize,
-        /// Its share of noise.
-        percent: f64,
-        /// What lowers it.
-        remedy: String,
-    },
+    NoisyPositions { joint: usize, percent: f64, remedy: String },
     /// Too little to hold something out.
     #[error(
         "`estimator = \"essential\"` holds out blocks of at least 2 s; the recordings give {found}, but {needed} are required; add \
          more or longer recordings"
     )]
-    TooFewBlocks {
-        /// Blocks that there are.
-        found: usize,
-        /// Blocks that are needed.
-        needed: usize,
-    },
+    TooFewBlocks { found: usize, needed: usize },
     /// An estimator that looks at the rows again, of recordings that are read in stretches.
     #[error(
         "`estimator = \"{estimator}\"` requires whole recordings, but these are streamed; use `estimator = \"wls\"`, or raise \
          --stream-above"
     )]
-    NeedsRows {
-        /// The estimator.
-        estimator: &'static str,
-    },
+    NeedsRows { estimator: &'static str },
     /// Too little of the unchanged machine to tell a change from its usual variation.
     #[error(
         "the experiment's recordings hold {found} whole windows of the unchanged machine, but {needed} are required to estimate \
          its normal variation; add recordings, or use shorter windows with --window-s"
     )]
-    TooFewWindows {
-        /// Windows that there are.
-        found: usize,
-        /// Windows that are needed.
-        needed: usize,
-    },
-    /// Nothing to calibrate on.
+    TooFewWindows { found: usize, needed: usize },
     #[error("no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,
     /// The fit produced a value that is not a number.

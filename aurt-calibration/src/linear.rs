@@ -35,7 +35,6 @@ pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DM
     is_finite(matrix).then(|| library::symmetric_eigen(matrix))?
 }
 
-/// The inverse of a square matrix.
 pub(crate) fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     library::inverse(matrix).filter(is_finite)
 }

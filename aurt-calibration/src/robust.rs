@@ -87,9 +87,6 @@ pub(crate) struct Reweighted {
 /// Iteratively reweighted least squares (Holland and Welsch 1977) from an estimate on: each row's weight is w(e/σ_j)/σ_j², with
 /// σ_j the median of |e| over 0.6745. Huber's loss, which has one minimum, leads to the neighbourhood of the rows that belong
 /// together, and Tukey's from there to an estimate in which rows beyond 4.685 σ_j do not count at all (Yohai 1987).
-///
-/// # Errors
-/// What models report, and [`CalibrationError::NotFinite`].
 pub(crate) fn reweight(
     rows: &Observed<'_>,
     system: &System,

@@ -24,9 +24,6 @@ pub(crate) struct Dependence {
 
 impl Dependence {
     /// The dependent columns of the recordings' rows.
-    ///
-    /// # Errors
-    /// [`CalibrationError::NotFinite`].
     pub(crate) fn all(system: &System, weights: &[f64]) -> Result<Vec<Self>, CalibrationError> {
         let triangle = system.triangle(weights)?;
         let factors = solve_upper(&triangle.upper, &triangle.beyond).ok_or(CalibrationError::NotFinite)?;

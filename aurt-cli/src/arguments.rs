@@ -56,9 +56,6 @@ pub fn definition() -> clap::Command {
 }
 
 /// What the words of a command line say.
-///
-/// # Errors
-/// Why they say nothing, or that help was asked for.
 pub fn parse(words: impl Iterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let mut definition = definition();
     let words = join_vector_values(words);

@@ -7,18 +7,12 @@ use crate::experiment::Experiment;
 
 impl Experiment {
     /// The rigid bodies of `[robot]`.
-    ///
-    /// # Errors
-    /// As [`RigidBodyDynamics::from_mdh`].
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
         let rigid_body = self.robot.rigid_body()?;
         RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)
     }
 
     /// The robot model of `[robot]`, `[joint_dynamics]` and `[[arm_terms]]`.
-    ///
-    /// # Errors
-    /// As [`Self::rigid_body_dynamics`] and [`RigidBodyDynamics::with_joint_dynamics`].
     pub fn robot_model(&self) -> Result<RobotModel, Error> {
         let stacks = self.joint_dynamics.stacks(self.joints()).map_err(Error::Assembly)?;
         let model = self.rigid_body_dynamics()?.with_joint_dynamics(stacks, self.arm_terms.clone())?;

@@ -12,6 +12,8 @@
 //! [`Experiment::robot_model`] composes the robot model. Models are found by name in a
 //! [`Registry`](aurt_plugins::Registry), which knows the linked ones and those of loaded libraries.
 
+#![expect(missing_docs, reason = "the front ends are its only users; names that say all need no sentence")]
+
 mod assemble;
 pub mod doctor;
 mod error;

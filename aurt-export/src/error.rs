@@ -4,8 +4,8 @@ use thiserror::Error;
 /// Why a model cannot be exported.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum ExportError {
-    /// Predictions are no torques.
     #[error(
         "the model predicts currents in A, and the target needs torques in Nm; write `torque_constants_nm_per_a` \
          in the table `robot` of the experiment and calibrate again"
@@ -22,63 +22,30 @@ pub enum ExportError {
         "the name `{name}` {reason}; name the robot with letters of a to z, digits and `_`, a letter first"
     )]
     Name {
-        /// The name.
         name: String,
         /// What is wrong with it, as the rest of the sentence.
         reason: &'static str,
     },
     /// A model of friction or of the arm that the target does not know.
     #[error("{place}: the model `{model}` cannot be exported: {reason}; known: {known}")]
-    Model {
-        /// The joint and slot, or the arm term.
-        place: String,
-        /// The model.
-        model: String,
-        /// Why not.
-        reason: &'static str,
-        /// The models that can be exported there.
-        known: String,
-    },
+    Model { place: String, model: String, reason: &'static str, known: String },
     /// A model has no standard parameters that a machine can have.
     #[error(
         "the model has no mass, centre of mass and inertia for every link, only base parameters; calibrate with \
          `estimator = \"consistent\"`"
     )]
     NoBodies,
-    /// The standard parameters are those of no machine.
     #[error(
         "the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`"
     )]
-    Impossible {
-        /// What is wrong with each link.
-        complaints: String,
-    },
+    Impossible { complaints: String },
     /// A number of values does not fit the model.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// Which values.
-        what: &'static str,
-        /// Their number.
-        expected: usize,
-        /// How many there are.
-        found: usize,
-    },
-    /// A coefficient is not finite.
+    Count { what: &'static str, expected: usize, found: usize },
     #[error("the coefficient `{name}` is {value}; calibrate again")]
-    NotFinite {
-        /// Its name.
-        name: String,
-        /// Its value.
-        value: f64,
-    },
-    /// A model cannot be described.
+    NotFinite { name: String, value: f64 },
     #[error("{place}: its model cannot be described: {source}")]
-    Description {
-        /// The joint and slot, or the arm term.
-        place: String,
-        /// Why not.
-        source: serde_json::Error,
-    },
+    Description { place: String, source: serde_json::Error },
     /// Accelerations have no solution.
     #[error(
         "the mass matrix of the model is not positive definite at q = {position}, so torques do not determine its motion; \
@@ -88,13 +55,11 @@ pub enum ExportError {
         /// Joint positions, rad or m.
         position: String,
     },
-    /// An archive cannot be made.
     #[error("the archive of the FMU cannot be made: {0}")]
     Archive(#[from] zip::result::ZipError),
     /// A file to be corrected cannot be read as a robot.
     #[error(transparent)]
     Robot(aurt_rbd::robots::RobotErrors),
-    /// A file to be corrected is no XML.
     #[error("the file is no well-formed XML: {0}")]
     Xml(roxmltree::Error),
     /// A file to be corrected describes another chain than the model.
@@ -102,19 +67,13 @@ pub enum ExportError {
         "the chain of the file is not that of the model: {reason}; calibrate with `mjcf` or `urdf` in the table `robot` naming this file, \
          or choose the chain with `--base` and `--tip`"
     )]
-    OtherChain {
-        /// What differs.
-        reason: String,
-    },
+    OtherChain { reason: String },
     /// A link between two joints of one body has no place for its mass.
     #[error(
         "behind joint {joint} its body has another joint, so the mass between them has no place in the file; give each joint a \
          body of its own"
     )]
-    Between {
-        /// The first of the two joints.
-        joint: String,
-    },
+    Between { joint: String },
     /// What bodies beside the chain leave of a link is no body.
     #[error(
         "link {link}: without what the file states of {carried}, nothing is left that a body could be for `{body}`; correct their \
@@ -123,9 +82,7 @@ pub enum ExportError {
     Remainder {
         /// The link, from 0.
         link: usize,
-        /// The body of its joint.
         body: String,
-        /// The bodies beside the chain.
         carried: String,
     },
     /// The file takes all masses from shapes, so that what is written would not count.
@@ -134,7 +91,6 @@ pub enum ExportError {
          `inertiafromgeom=\"auto\"` in <compiler>"
     )]
     FromShapes,
-    /// The rigid bodies.
     #[error(transparent)]
     RigidBody(#[from] RbdError),
 }

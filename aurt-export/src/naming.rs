@@ -29,9 +29,6 @@ fn among(words: &str, name: &str) -> bool {
 }
 
 /// Whether a crate may be called `name`.
-///
-/// # Errors
-/// [`ExportError::Name`].
 pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
     check_identifier(name)?;
     if among(RUST, name) {
@@ -41,9 +38,6 @@ pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
 }
 
 /// Whether names may begin with `name`.
-///
-/// # Errors
-/// [`ExportError::Name`].
 pub(crate) fn check_identifier(name: &str) -> Result<(), ExportError> {
     let refuse = |reason| Err(ExportError::Name { name: name.to_owned(), reason });
     if name.len() > 40 {
@@ -101,7 +95,6 @@ pub(crate) fn joint_names(
         .collect()
 }
 
-/// Text for an attribute of XML.
 pub(crate) fn attribute(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -91,9 +91,6 @@ impl<'a> Source<'a> {
     }
 
     /// The same for targets that take currents too.
-    ///
-    /// # Errors
-    /// As [`Self::chain`], but for [`ExportError::Amperes`].
     pub(crate) fn chain_in_any_unit(&self) -> Result<&'a SerialChain, ExportError> {
         let (expected, found) = (self.model.parameters().len(), self.coefficients.len());
         if found != expected {
@@ -148,9 +145,6 @@ impl<'a> Source<'a> {
     }
 
     /// Standard parameters of bodies whose coefficients have the values that `weight` names.
-    ///
-    /// # Errors
-    /// As [`Self::places`].
     pub(crate) fn bodies(&self, weight: impl Fn(usize) -> f64) -> Result<Vec<f64>, ExportError> {
         let mut standard = vec![0.0; self.model.rigid_body().standard_parameters().len()];
         for (coefficient, place) in self.places()? {

@@ -139,7 +139,6 @@ fn names_of_other_people_stay_names_in_every_target() {
     }
 }
 
-/// The names of all elements with a tag.
 fn names_of(xml: &str, tag: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(xml).unwrap();
     let elements = document.descendants().filter(|node| node.has_tag_name(tag));

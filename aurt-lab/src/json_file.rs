@@ -5,9 +5,6 @@ use serde::de::DeserializeOwned;
 use aurt_simulation::SimulationError;
 
 /// Reads a JSON file.
-///
-/// # Errors
-/// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, SimulationError> {
     let text = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES)
         .map_err(|source| SimulationError::Io { path: path.into(), source })?;

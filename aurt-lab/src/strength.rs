@@ -20,7 +20,6 @@ impl Strength {
     pub const ALL: [Self; 3] = [Self::Weak, Self::Medium, Self::Strong];
 
     /// The ratio that is aimed at.
-    #[must_use]
     pub const fn over_noise(self) -> f64 {
         match self {
             Self::Weak => 0.3,
@@ -30,7 +29,6 @@ impl Strength {
     }
 
     /// What the unaltered model leaves, times this, is the wanted root mean square of an effect added to recordings.
-    #[must_use]
     pub const fn over_left(self) -> f64 {
         match self {
             Self::Weak => 0.7,
@@ -39,8 +37,6 @@ impl Strength {
         }
     }
 
-    /// The name.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Weak => "weak",

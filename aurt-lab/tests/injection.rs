@@ -8,7 +8,7 @@ use aurt_lab::{
     Strength,
     injected::{InjectedRequest, InjectedWorld},
 };
-use aurt_recording::{PreprocessOptions, ReadReport, Recording};
+use aurt_recording::{PreprocessOptions, Recording};
 use aurt_simulation::inject::{
     Injection, Kind, Presence, RealExperiment, RealRecording, Split, Structure, injectable,
     unknown_injectable,
@@ -29,17 +29,12 @@ fn injected() -> InjectedWorld {
             let by_joint = |all: &[f64], gain: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
                 (0..n).map(|j| all.iter().skip(j).step_by(n).map(|v| gain(j) * v).collect()).collect()
             };
-            let recording = Recording {
-                file: format!("recording {k}").into(),
-                time_s: made.time_s.clone(),
-                position_rad: by_joint(&made.position_rad, &|_| 1.0),
-                velocity_rad_s: None,
-                measurement: Some(by_joint(&made.measurement, &|j| robot.drives[j].torque_constant_nm_per_a)),
-                unit: MeasurementUnit::NewtonMetre,
-                joints: aurt_recording::RecordedJoints::Unnamed,
-                report: ReadReport::default(),
-            };
-            RealRecording { name: format!("recording {k}"), recording }
+            let name = format!("recording {k}");
+            let position = by_joint(&made.position_rad, &|_| 1.0);
+            let torque = by_joint(&made.measurement, &|j| robot.drives[j].torque_constant_nm_per_a);
+            let recording = Recording::from_arrays(made.time_s.clone(), position).unwrap().named(&name);
+            let recording = recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap();
+            RealRecording { name, recording }
         })
         .collect();
     let injection = Injection::new(RealExperiment {

@@ -8,8 +8,8 @@ use crate::{Node, Span, listing::LibraryListing, place, suggestion};
 /// Why a library could not be loaded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages say all")]
 pub enum LibraryProblem {
-    /// There is no such file.
     #[error(
         "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
     )]
@@ -20,10 +20,8 @@ pub enum LibraryProblem {
          (`--plugin` with its path, or `--allow-plugins`) or from now on (`aurt trust` with its path)"
     )]
     NotTrusted,
-    /// The system does not load it.
     #[error("is not a library that this system can load: {0}")]
     NotALibrary(String),
-    /// It does not export the ABI's entry.
     #[error(
         "is a library, but no plugin: it does not export `{entry}`; a Rust crate exports it with \
          `aurt_traits::export_plugin!()`, a C file defines it",
@@ -33,18 +31,12 @@ pub enum LibraryProblem {
     /// It exports a function of that name that does not return a declaration.
     #[error("exports `{entry}`, but that does not return a plugin's declaration", entry = abi::ENTRY)]
     NoDeclaration,
-    /// It was built for another version of the ABI.
     #[error(
         "was built for version {major}.{minor} of the plugin interface, this program has version \
          {ours}.{our_minor}; build it again with this program's `aurt-traits` or `aurt_plugin.h`",
         ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
     )]
-    OtherVersion {
-        /// Its major version.
-        major: u32,
-        /// Its minor version.
-        minor: u32,
-    },
+    OtherVersion { major: u32, minor: u32 },
     /// Its declaration contradicts the ABI.
     #[error("has a faulty declaration: {0}")]
     Faulty(String),
@@ -53,6 +45,7 @@ pub enum LibraryProblem {
 /// Why something about models, libraries or plugins failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
     /// A model's configuration does not give a model.
     #[error(transparent)]
@@ -62,9 +55,7 @@ pub enum Error {
         "the {slot} model `{name}` exists twice: from {first} and from {second}; rename one of them or load only one"
     )]
     DuplicateModel {
-        /// The slot of both.
         slot: &'static str,
-        /// The name of both.
         name: String,
         /// What registered the first, in words.
         first: String,
@@ -73,88 +64,48 @@ pub enum Error {
     },
     /// A dynamic library could not be loaded.
     #[error("the library {path} {problem}", path = path.display())]
-    Library {
-        /// The path as it was given.
-        path: PathBuf,
-        /// Why.
-        problem: LibraryProblem,
-    },
-    /// The list of trusted libraries is damaged.
+    Library { path: PathBuf, problem: LibraryProblem },
     #[error("{path}: {reason}; mend or delete it (`aurt trust LIBRARY` writes it)", path = path.display())]
-    TrustList {
-        /// The list.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A new plugin cannot have that name.
+    TrustList { path: PathBuf, reason: String },
     #[error("`{name}` cannot be the name of a plugin: it {reason}")]
-    PluginName {
-        /// The name.
-        name: String,
-        /// Why.
-        reason: &'static str,
-    },
+    PluginName { name: String, reason: &'static str },
     /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
 }
 
 /// Why a model could not be built from its configuration.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum BuildError {
-    /// The configuration is no table.
     #[error("expected a table such as {{ model = \"…\" }}, found {found}")]
-    NoTable {
-        /// The slot to be filled.
-        slot: Slot,
-        /// What was found.
-        found: &'static str,
-        /// Where it stands.
-        span: Span,
-    },
-    /// The table lacks its `model` key, or that is no string.
+    NoTable { slot: Slot, found: &'static str, span: Span },
     #[error("the table lacks `model`, the name of the {slot} model", slot = slot.name())]
     NoModelKey {
-        /// The slot to be filled.
         slot: Slot,
         /// Names of that slot's models, sorted.
         known: Vec<String>,
-        /// Where the table stands.
         span: Span,
     },
-    /// No model of that slot has that name.
     #[error("there is no {slot} model `{name}`", slot = slot.name())]
     UnknownModel {
-        /// The slot to be filled.
         slot: Slot,
-        /// The name that was asked for.
         name: String,
         /// Names of that slot's models, sorted.
         known: Vec<String>,
         /// Slots that do have a model of that name.
         elsewhere: Vec<Slot>,
-        /// Where the name stands.
         span: Span,
     },
     /// The model refused its keys: unknown key, wrong type, missing key.
     #[error("model `{model}`{place}: {reason}", place = key.as_ref().map_or_else(String::new, |k| format!(", key `{k}`")))]
     Configuration {
-        /// The model's name.
         model: String,
         /// The key that it was about, if one.
         key: Option<String>,
-        /// The model's complaint.
         reason: String,
-        /// A working configuration of the model.
         example: String,
-        /// Where the culprit stands.
         span: Span,
     },
     /// A saved model is from a dynamic library that is not loaded.
@@ -163,13 +114,9 @@ pub enum BuildError {
         slot = slot.name()
     )]
     LibraryNotLoaded {
-        /// The slot to be filled.
         slot: Slot,
-        /// The model's name.
         model: String,
-        /// The library's name.
         name: String,
-        /// The library's version.
         version: String,
         /// Its file, when the model was saved.
         library: PathBuf,
@@ -181,23 +128,15 @@ pub enum BuildError {
         saved.name, saved.version, slot = slot.name()
     )]
     OtherLibrary {
-        /// The slot to be filled.
         slot: Slot,
-        /// The model's name.
         model: String,
-        /// The library that it was saved from.
         saved: Box<LibraryListing>,
         /// What has registered the model now, in words.
         found: String,
     },
     /// The model has its keys but cannot work with a value, or does not fit its slot.
     #[error("{error}")]
-    Invalid {
-        /// The model's complaint.
-        error: ModelError,
-        /// Where the culprit stands.
-        span: Span,
-    },
+    Invalid { error: ModelError, span: Span },
 }
 
 impl BuildError {

@@ -21,7 +21,6 @@ pub struct Registry {
     libraries: Vec<LibraryListing>,
     /// Which libraries may be loaded because a file names them.
     trust: Trust,
-    /// What to say of saved models by former names.
     former_names: Arc<Mutex<BTreeSet<String>>>,
 }
 

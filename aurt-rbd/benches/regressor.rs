@@ -28,7 +28,6 @@ const ROBOTS: [(&str, &str); 2] = [
          pi/2,0.088,0\n0,0,0.107\n",
     ),
 ];
-/// Samples of a tile.
 const SAMPLES: usize = 256;
 /// Distance between columns: not a power of two, which would put all columns on the same cache sets.
 const STRIDE: usize = SAMPLES + 8;

@@ -50,7 +50,6 @@ pub struct MdhTable {
     pub reading: MdhRows,
 }
 
-/// The columns that a table may have.
 const COLUMNS: [&str; 6] = ["alpha", "a", "d", "theta", "sign", "type"];
 /// Characters of the longest of [`COLUMNS`].
 const LONGEST_COLUMN: usize = 5;

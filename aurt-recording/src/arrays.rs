@@ -27,7 +27,6 @@ pub(crate) struct Array {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Numbers {
     pub(crate) kind: Kind,
-    /// Bytes of each.
     pub(crate) bytes: usize,
     pub(crate) big_endian: bool,
 }

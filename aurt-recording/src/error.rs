@@ -7,34 +7,20 @@ use thiserror::Error;
 /// Lines and columns count from 1 in messages, as editors do; fields that end in `index` count from 0.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RecordingError {
     /// The file could not be opened or read.
     #[error("{path}: {remedy}", path = path.display())]
     Unreadable {
-        /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
         remedy: &'static str,
-        /// What the operating system said.
         #[source]
         source: std::io::Error,
     },
-    /// The path is a directory.
     #[error("{path} is a directory, not a recording; {remedy}", path = path.display(), remedy = in_folder(path, inside))]
-    Directory {
-        /// The path.
-        path: PathBuf,
-        /// The recordings in it, by name.
-        inside: Vec<String>,
-    },
-    /// The file has no rows.
+    Directory { path: PathBuf, inside: Vec<String> },
     #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample", path = path.display())]
-    NoRows {
-        /// The file.
-        path: PathBuf,
-        /// What there is instead.
-        found: String,
-    },
+    NoRows { path: PathBuf, found: String },
     /// The first line is data, and no columns were selected.
     #[error(
         "{path}{at}: there is no header{row}, so the {columns} columns have no names; \
@@ -43,15 +29,7 @@ pub enum RecordingError {
         at = at(*line),
         row = if *line == 0 { "" } else { " line" }
     )]
-    Headerless {
-        /// The file.
-        path: PathBuf,
-        /// Line of the first row.
-        line: usize,
-        /// Number of columns.
-        columns: usize,
-    },
-    /// A column that is needed is not there.
+    Headerless { path: PathBuf, line: usize, columns: usize },
     #[error(
         "{path}{at}: no column for {what}{wanted}; the file has {known}{likely}",
         path = path.display(),
@@ -61,17 +39,12 @@ pub enum RecordingError {
         likely = likely.as_ref().map(|l| format!("; {l}")).unwrap_or_default()
     )]
     MissingColumn {
-        /// The file.
         path: PathBuf,
-        /// Line of the header.
         line: usize,
         /// The quantity, e.g. "joint positions".
         what: &'static str,
-        /// The name that was asked for.
         wanted: Option<String>,
-        /// The columns of the file.
         known: Vec<String>,
-        /// What was probably meant, or what to do.
         likely: Option<String>,
     },
     /// A selection names a column beyond the last one.
@@ -80,27 +53,15 @@ pub enum RecordingError {
         path = path.display(), last = columns - 1
     )]
     ColumnIndex {
-        /// The file.
         path: PathBuf,
-        /// The quantity.
         what: &'static str,
         /// The column asked for, from 0.
         index: usize,
-        /// Number of columns of the file.
         columns: usize,
     },
     /// Columns that do not fit together: holes in a numbering, different joint counts, doubled names.
     #[error("{path}{at}: {reason}; {remedy}", path = path.display(), at = at(*line))]
-    Columns {
-        /// The file.
-        path: PathBuf,
-        /// Line of the header.
-        line: usize,
-        /// What is wrong.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Columns { path: PathBuf, line: usize, reason: String, remedy: String },
     /// Joints of the robot that the recording does not name, or names twice.
     #[error(
         "{path}: the recording has the joints {recorded}; wanted are {wanted}, and {lacking} of them; {remedy}say which of the \
@@ -113,9 +74,7 @@ pub enum RecordingError {
         remedy = part_or_meant(lacking, recorded, wanted)
     )]
     JointNames {
-        /// The recording.
         path: PathBuf,
-        /// The names of its joints.
         recorded: Vec<String>,
         /// The names that are looked for: the robot's, or those that were stated.
         wanted: Vec<String>,
@@ -124,14 +83,7 @@ pub enum RecordingError {
     },
     /// The unit of the measurement cannot be told.
     #[error("{path}: {reason}; {remedy}", path = path.display())]
-    Unit {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Unit { path: PathBuf, reason: String, remedy: String },
     /// A cell that is not a finite number.
     #[error(
         "{path}, line {line}, column {column}{name}: {cell}{others}; {remedy}",
@@ -141,7 +93,6 @@ pub enum RecordingError {
         others = others(*rows)
     )]
     Cell {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -153,7 +104,6 @@ pub enum RecordingError {
         text: String,
         /// Rows that have such a cell, this one included.
         rows: usize,
-        /// What to do.
         remedy: &'static str,
     },
     /// A number that is not finite, in a file that is no text.
@@ -164,29 +114,17 @@ pub enum RecordingError {
         leave_out = LEAVE_OUT
     )]
     Value {
-        /// The file.
         path: PathBuf,
         /// Row, from 1.
         row: usize,
-        /// Name of the column.
         name: String,
-        /// The number.
         value: f64,
         /// Rows that have such a number, this one included.
         rows: usize,
     },
     /// Two files that do not belong together.
     #[error("{path} with {other}: {reason}; {remedy}", path = path.display(), other = other.display())]
-    Joined {
-        /// The file with the positions.
-        path: PathBuf,
-        /// The other one.
-        other: PathBuf,
-        /// Why they cannot be joined.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Joined { path: PathBuf, other: PathBuf, reason: String, remedy: String },
     /// Reading would take more memory than the size of the file allows.
     #[error(
         "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
@@ -194,9 +132,7 @@ pub enum RecordingError {
         path = path.display(), needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
     )]
     TooLarge {
-        /// The file.
         path: PathBuf,
-        /// What would take it.
         what: String,
         /// Memory that would be needed, in bytes.
         needed_bytes: u64,
@@ -206,13 +142,10 @@ pub enum RecordingError {
     /// A file that is not what its format says.
     #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
     Malformed {
-        /// The file.
         path: PathBuf,
         /// Where in it: an array, a topic, a message.
         place: String,
-        /// What is wrong.
         reason: String,
-        /// What to do.
         remedy: String,
     },
     /// A line with another number of cells than the first one.
@@ -221,29 +154,22 @@ pub enum RecordingError {
         path = path.display()
     )]
     Ragged {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// Cells of the header or first row.
         expected: usize,
-        /// Cells of this line.
         found: usize,
-        /// What to do.
         remedy: String,
     },
-    /// The last line breaks off.
     #[error(
         "{path}, line {line}: the last line breaks off ({reason}); the recording was probably cut while it was written: \
          delete that line",
         path = path.display()
     )]
     TruncatedLastLine {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// How it shows.
         reason: String,
     },
     /// More rows are corrupt than may be dropped.
@@ -255,140 +181,84 @@ pub enum RecordingError {
         place = if *column == 0 { format!("row {line}") } else { format!("line {line}, column {column}") }
     )]
     CorruptRows {
-        /// The file.
         path: PathBuf,
         /// Line of the first corrupt row, from 1; in files that are no text its row.
         line: usize,
         /// Its column, from 1; 0 in files that are no text.
         column: usize,
-        /// What is wrong there, with the column's name.
         reason: String,
-        /// Number of corrupt rows.
         rows: usize,
-        /// Number of rows.
         total: usize,
-        /// Number of rows that may be dropped.
         allowed: usize,
-        /// The share that was allowed.
         max_share: f64,
     },
     /// A value in a recording that was not read from a file.
     #[error("{path}: {reason}; remove such samples first", path = path.display())]
-    Sample {
-        /// The recording.
-        path: PathBuf,
-        /// Which value, and what is wrong.
-        reason: String,
-    },
+    Sample { path: PathBuf, reason: String },
     /// A window that holds no samples.
     #[error(
         "{path}: the window {from_s} s to {to_s} s {reason}; the recording lasts from 0 to {duration_s:.3} s",
         path = path.display()
     )]
     Window {
-        /// The file.
         path: PathBuf,
         /// Start, in s from the first stamp.
         from_s: f64,
         /// End, in s from the first stamp.
         to_s: f64,
-        /// What is wrong with it.
         reason: &'static str,
-        /// Duration of the recording.
         duration_s: f64,
     },
     /// An option outside its range.
     #[error("`{option}` = {value:?}: {remedy}")]
-    InvalidOption {
-        /// Name of the option.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it has to be.
-        remedy: &'static str,
-    },
+    InvalidOption { option: &'static str, value: f64, remedy: &'static str },
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// What was counted.
-        what: String,
-        /// The number that is right.
-        expected: usize,
-        /// The number that was found.
-        found: usize,
-    },
+    Count { what: String, expected: usize, found: usize },
     /// A filter order out of range.
     #[error("a Butterworth low-pass of order {order}: the order must lie between 1 and 12")]
-    FilterOrder {
-        /// The order asked for.
-        order: usize,
-    },
+    FilterOrder { order: usize },
     /// A cut-off frequency at which a filter cannot be built.
     #[error(
         "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must lie between 0.0001 and 0.9999 of half the rate"
     )]
-    Cutoff {
-        /// The cut-off.
-        cutoff_hz: f64,
-        /// The sampling rate.
-        rate_hz: f64,
-    },
-    /// A preprocessing cut-off at or above half the sampling rate.
+    Cutoff { cutoff_hz: f64, rate_hz: f64 },
     #[error(
         "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate} Hz / 2); {remedy}",
         path = path.display(),
         rate = (rate_hz * 1e3).round() / 1e3
     )]
     AboveNyquist {
-        /// The recording.
         path: PathBuf,
-        /// Which filter.
         which: &'static str,
-        /// Its cut-off.
         cutoff_hz: f64,
-        /// The sampling rate.
         rate_hz: f64,
-        /// The largest f_dyn that works.
         largest_f_dyn_hz: f64,
-        /// What to do.
         remedy: String,
     },
     /// A series too short for a forward–backward filter.
     #[error("{samples} samples are too few to filter: the filter needs at least {needed}")]
-    TooShortToFilter {
-        /// Samples there are.
-        samples: usize,
-        /// Samples needed.
-        needed: usize,
-    },
+    TooShortToFilter { samples: usize, needed: usize },
     /// A recording too short to preprocess.
     #[error("{path}: {samples} samples{after} are too few: at least {needed} are needed; {remedy}", path = path.display())]
     TooShort {
-        /// The recording.
         path: PathBuf,
-        /// Samples there are.
         samples: usize,
-        /// Samples needed.
         needed: usize,
         /// After which step, e.g. " after cutting the rest".
         after: &'static str,
-        /// What to do.
         remedy: String,
     },
-    /// Nothing moves.
     #[error(
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
          so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s",
         path = path.display()
     )]
     AtRest {
-        /// The recording.
         path: PathBuf,
-        /// The threshold.
         threshold_rad_s: f64,
         /// The fastest joint, from 0.
         joint: usize,
-        /// Its highest speed.
         fastest_rad_s: f64,
     },
     /// The temporary file of a recording longer than memory cannot be made, written or read.
@@ -398,28 +268,32 @@ pub enum RecordingError {
         path = path.display()
     )]
     Spill {
-        /// The recording.
         path: PathBuf,
-        /// What the operating system said.
         #[source]
         source: std::io::Error,
     },
     /// A clock from which no sampling rate can be told.
     #[error("{path}: {reason}; {remedy}", path = path.display())]
-    Clock {
-        /// The recording.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Clock { path: PathBuf, reason: String, remedy: String },
 }
 
 impl RecordingError {
-    /// [`Self::Count`].
     pub(crate) fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
         Self::Count { what: what.into(), expected, found }
+    }
+
+    pub(crate) fn malformed(
+        path: &Path,
+        place: impl Into<String>,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        let (path, place) = (path.to_owned(), place.into());
+        Self::Malformed { path, place, reason: reason.into(), remedy: remedy.into() }
+    }
+
+    pub(crate) fn clock(path: &Path, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Clock { path: path.to_owned(), reason: reason.into(), remedy: remedy.into() }
     }
 }
 
@@ -448,7 +322,6 @@ fn at(line: usize) -> String {
     if line == 0 { String::new() } else { format!(", line {line}") }
 }
 
-/// What to name in the place of a folder.
 fn in_folder(folder: &Path, inside: &[String]) -> String {
     match inside {
         [] => "name a file in it (or the folder of a LeRobot data set, which has meta/info.json)".into(),
@@ -460,8 +333,7 @@ fn in_folder(folder: &Path, inside: &[String]) -> String {
     }
 }
 
-/// The name that was probably meant, as the beginning of a sentence.
-/// `a`, `b` are none
+/// "`a`, `b` are none", of the names that a recording lacks or has twice.
 fn counted(lacking: &[String], recorded: &[String]) -> String {
     let verb = if lacking.len() == 1 { "is" } else { "are" };
     let number = if lacking.iter().any(|name| recorded.contains(name)) { "two" } else { "none" };

@@ -44,11 +44,11 @@ const FOREIGN: &[(&[u8], &str, &str)] = &[
 pub(crate) fn refuse(path: &Path, beginning: &[u8]) -> Result<(), RecordingError> {
     match FOREIGN.iter().find(|(mark, ..)| beginning.starts_with(mark)) {
         None => Ok(()),
-        Some((_, name, remedy)) => Err(RecordingError::Malformed {
-            path: path.to_owned(),
-            place: "its first bytes".to_owned(),
-            reason: format!("it is {name}, which is not supported"),
-            remedy: (*remedy).to_owned(),
-        }),
+        Some((_, name, remedy)) => Err(RecordingError::malformed(
+            path,
+            "its first bytes",
+            format!("it is {name}, which is not supported"),
+            *remedy,
+        )),
     }
 }

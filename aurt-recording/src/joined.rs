@@ -283,11 +283,11 @@ fn period_s(recording: &Recording) -> Result<f64, RecordingError> {
     let mut steps: Vec<f64> =
         recording.time_s.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0).collect();
     if steps.is_empty() {
-        return Err(RecordingError::Clock {
-            path: recording.file.clone(),
-            reason: "it has no two stamps that differ, and files are joined by their stamps".into(),
-            remedy: "record two samples at least, or state rate_hz".into(),
-        });
+        return Err(RecordingError::clock(
+            &recording.file,
+            "it has no two stamps that differ, and files are joined by their stamps",
+            "record two samples at least, or state rate_hz",
+        ));
     }
     let middle = steps.len() / 2;
     Ok(*steps.select_nth_unstable_by(middle, f64::total_cmp).1)

@@ -25,7 +25,6 @@ use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
-/// Bytes that this may have.
 const INFO_LIMIT: u64 = 64 << 20;
 /// The feature with the positions.
 const STATE: &str = "observation.state";
@@ -102,11 +101,13 @@ impl DataSet {
         let Some(folder) = folder_of(path) else { return Ok(None) };
         let file = folder.join(INFO);
         let text = aurt_files::read_text(&file, INFO_LIMIT).map_err(|source| unreadable(&file, source))?;
-        let info: Info = serde_json::from_str(&text).map_err(|error| RecordingError::Malformed {
-            path: file.clone(),
-            place: format!("line {}", error.line()),
-            reason: format!("it does not describe a LeRobot data set: {error}"),
-            remedy: "copy it again, or name the files under data/ one by one".into(),
+        let info: Info = serde_json::from_str(&text).map_err(|error| {
+            RecordingError::malformed(
+                &file,
+                format!("line {}", error.line()),
+                format!("it does not describe a LeRobot data set: {error}"),
+                "copy it again, or name the files under data/ one by one",
+            )
         })?;
         let mut files = Vec::new();
         collect(&folder.join("data"), DEEPEST, &mut files);
@@ -277,12 +278,7 @@ impl DataSet {
     }
 
     fn refused(&self, reason: &str, remedy: &str) -> RecordingError {
-        RecordingError::Malformed {
-            path: self.folder.clone(),
-            place: INFO.into(),
-            reason: reason.into(),
-            remedy: remedy.into(),
-        }
+        RecordingError::malformed(&self.folder, INFO, reason, remedy)
     }
 }
 
@@ -292,7 +288,6 @@ fn plain(name: &str) -> &str {
     name.strip_prefix("main_").or_else(|| name.strip_prefix("follower_")).unwrap_or(name)
 }
 
-/// The Parquet files in a folder and the folders in it.
 fn collect(folder: &Path, deepest: usize, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -342,7 +337,6 @@ fn joined(mut before: Recording, next: Recording) -> Recording {
     before
 }
 
-/// The next recording with the report on it and on what was before.
 fn after(before: &Recording, mut next: Recording) -> Recording {
     let (of_all, report) = (&before.report, &mut next.report);
     report.dropped.iter_mut().for_each(|row| row.line += of_all.rows);

@@ -55,11 +55,13 @@ impl RecordingFormat for Matlab {
     ) -> Result<Recording, RecordingError> {
         let path = input.path;
         let memory = Memory::of(path, input.bytes, options);
-        let refused = |reason: &str| RecordingError::Malformed {
-            path: path.to_owned(),
-            place: "its first bytes".to_owned(),
-            reason: reason.to_owned(),
-            remedy: "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")".to_owned(),
+        let refused = |reason: &str| {
+            RecordingError::malformed(
+                path,
+                "its first bytes",
+                reason,
+                "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")",
+            )
         };
         if is_7_3(&input.beginning) {
             return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not supported"));
@@ -104,7 +106,7 @@ fn malformed(path: &Path, problem: &Problem) -> RecordingError {
         _ => format!("it cannot be read: {}", problem.error),
     };
     let remedy = "copy the file again, or save it again with -v7".to_owned();
-    RecordingError::Malformed { path: path.to_owned(), place, reason, remedy }
+    RecordingError::malformed(path, place, reason, remedy)
 }
 
 /// A walk through a file: lists its arrays, and loads those that are needed.

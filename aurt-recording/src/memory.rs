@@ -24,7 +24,6 @@ impl<'a> Memory<'a> {
         Self { path, allowed_bytes: options.memory_bytes.unwrap_or_else(usual) }
     }
 
-    /// For a file, with that bound.
     #[cfg(feature = "parquet")]
     pub(crate) const fn bounded(path: &'a Path, allowed_bytes: u64) -> Self {
         Self { path, allowed_bytes }

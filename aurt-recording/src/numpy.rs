@@ -113,7 +113,6 @@ fn open(
     Ok((name, Header::read(&mut source)))
 }
 
-/// The name of the array in the entry of that name.
 fn name_of(entry: &[u8]) -> String {
     String::from_utf8_lossy(entry.strip_suffix(b".npy").unwrap_or(entry)).into_owned()
 }
@@ -156,12 +155,7 @@ fn malformed(path: &Path, place: &str, problem: &Problem) -> RecordingError {
             "save floats or integers, the fields of a structured array as arrays of their own",
         ),
     };
-    RecordingError::Malformed {
-        path: path.to_owned(),
-        place: place.to_owned(),
-        reason,
-        remedy: remedy.to_owned(),
-    }
+    RecordingError::malformed(path, place, reason, remedy)
 }
 
 impl Header {

@@ -94,7 +94,6 @@ impl ReadOptions {
         branches.map(|branch| BranchTrack::new(branch.joint.clone())).collect()
     }
 
-    /// Whether a joint of the robot slides.
     pub(crate) fn slides(&self, joint: usize) -> bool {
         self.joints.as_ref().is_some_and(|robot| robot.slides(joint))
     }

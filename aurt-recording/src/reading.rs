@@ -60,9 +60,6 @@ fn of_pieces(report: ReadReport, options: &ReadOptions) -> ReadReport {
 const PIECE_ROWS: usize = 1 << 16;
 
 /// Reads a recording as [`read_recording`] does and hands it over in consecutive pieces.
-///
-/// # Errors
-/// As [`read_recording`], and what `visit` returns.
 pub(crate) fn read_pieces(
     path: &Path,
     options: &ReadOptions,

@@ -273,7 +273,8 @@ impl Recording {
     }
 
     /// The samples of a range.
-    pub(crate) fn rows(&self, range: Range<usize>) -> Self {
+    #[must_use]
+    pub fn rows(&self, range: Range<usize>) -> Self {
         let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[range.clone()].to_vec()).collect();
         Self {
             file: self.file.clone(),
@@ -342,13 +343,11 @@ impl Recording {
             .position(|t| !t.is_finite())
             .or_else(|| self.time_s.windows(2).position(|w| w[1] < w[0]).map(|k| k + 1));
         if let Some(k) = bad {
-            return Err(RecordingError::Clock {
-                path: self.file.clone(),
-                reason: format!(
-                    "the time stamp of sample {k} is not finite or lies before the one before it"
-                ),
-                remedy: "sort the samples by time, or cut the recording there".into(),
-            });
+            return Err(RecordingError::clock(
+                &self.file,
+                format!("the time stamp of sample {k} is not finite or lies before the one before it"),
+                "sort the samples by time, or cut the recording there",
+            ));
         }
         Ok(())
     }

@@ -17,7 +17,6 @@ const STRETCH_ROWS: usize = 1 << 14;
 pub struct Stretches {
     /// One of this many is kept; 0 where the recording is to stay whole.
     every: usize,
-    /// Stretches that there were.
     next: usize,
     /// Those that are kept, with their places; none as long as `rest` is the whole.
     kept: Vec<(usize, Recording)>,

@@ -12,9 +12,7 @@ use crate::{
 /// A joint's error with the claimed effects, against its noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoiseState {
-    /// No rows judge it.
     NotJudged,
-    /// Noise explains it.
     WithinNoise,
     /// It exceeds the noise floor, and no structure is claimed in it.
     AboveNoise,
@@ -27,15 +25,12 @@ pub enum NoiseState {
 pub struct JointNoise {
     /// Without the claimed effects.
     pub before: Option<f64>,
-    /// With them.
     pub after: Option<f64>,
-    /// The state with them.
     pub state: NoiseState,
 }
 
 impl JointNoise {
     /// Its colour with the claimed effects: that of noise only where noise explains it.
-    #[must_use]
     pub fn shade(&self) -> Option<Shade> {
         let shade = Shade::of(self.after?);
         // A structure in the fitted rows is more than noise, however small the held-out error is.
@@ -55,7 +50,6 @@ pub struct NoiseReport {
 
 impl NoiseReport {
     /// The errors that a verdict states.
-    #[must_use]
     pub fn of(verdict: &Verdict) -> Self {
         let held = &verdict.held_out;
         let lists = [&held.rms_before, &held.rms_after, &held.rms_floor];
@@ -83,20 +77,16 @@ impl NoiseReport {
         Self { is_held_out, joints: (0..joints).map(error).collect() }
     }
 
-    /// The joints in that state.
-    #[must_use]
     pub fn in_state(&self, state: NoiseState) -> Vec<usize> {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state == state).collect()
     }
 
     /// The joints whose error noise does not explain.
-    #[must_use]
     pub fn beyond_noise(&self) -> Vec<usize> {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state > NoiseState::WithinNoise).collect()
     }
 
     /// The sign beside an answer: good only where the answer is clean and every judged joint is within noise.
-    #[must_use]
     pub fn tone(&self, verdict: &Verdict, asked: Asked) -> Tone {
         let answers = [Some(verdict.verdict), verdict.structure.filter(|_| asked == Asked::Change)];
         let has = |wanted: &[Answer]| answers.iter().flatten().any(|answer| wanted.contains(answer));

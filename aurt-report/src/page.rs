@@ -2,7 +2,6 @@
 
 use crate::{figure::Figure, table::Table};
 
-/// A report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
     /// What it is about, in the browser's title and at the top.
@@ -20,9 +19,7 @@ pub struct Page {
 /// How good the news is; shown by a sign and a word as well as by colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
-    /// All is well.
     Good,
-    /// Something was found.
     Found,
     /// Something needs attention.
     Attention,
@@ -31,54 +28,42 @@ pub enum Tone {
 /// The answer, in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
-    /// How good the news is.
     pub tone: Tone,
-    /// One sentence.
     pub headline: String,
-    /// What belongs to it, a sentence each.
     pub sentences: Vec<String>,
 }
 
 /// A part of a report under a heading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// The heading.
     pub title: String,
     /// How to read what follows; may be empty.
     pub introduction: String,
-    /// What follows.
     pub blocks: Vec<Block>,
 }
 
 /// A piece of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
-    /// A paragraph.
     Text(String),
     /// Sentences, each for itself.
     List(Vec<String>),
     /// Text to be shown as it is written.
     Code(String),
-    /// A table.
     Table(Table),
-    /// A figure.
     Figure(Figure),
     /// Figures side by side as far as there is room.
     Figures(Vec<Figure>),
     /// Blocks that can be folded away under a title, open or not at first.
     Folded {
-        /// The title.
         title: String,
-        /// Whether they are shown at first.
         open: bool,
-        /// The blocks.
         blocks: Vec<Block>,
     },
 }
 
 impl Page {
     /// All figures in their order, each with a file name that no other has.
-    #[must_use]
     pub fn figures(&self) -> Vec<(String, &Figure)> {
         let mut figures = Vec::new();
         for section in &self.sections {

@@ -7,20 +7,14 @@ use crate::escape;
 /// A table; columns whose title begins with `<` are set to the left, all others to the right.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// What it shows.
     pub caption: String,
-    /// Titles of the columns.
     pub columns: Vec<String>,
-    /// The rows.
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// A cell.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Cell {
-    /// What it says.
     pub text: String,
-    /// Whether it is set off.
     pub strong: bool,
 }
 
@@ -47,7 +41,6 @@ impl Table {
         Self { caption: caption.into(), columns, rows: Vec::new() }
     }
 
-    /// Adds a row.
     pub fn row<C: Into<Cell>>(&mut self, cells: impl IntoIterator<Item = C>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }

@@ -15,7 +15,6 @@ use crate::rendering::{number::significant, text::listed};
 pub enum Place {
     /// In the targets and not in the other recordings.
     Changed,
-    /// In all recordings.
     Missing,
     /// In the calibration recordings and not in the targets.
     Before,
@@ -26,11 +25,9 @@ pub enum Place {
 /// Findings of one place, each with its number in the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group<'v> {
-    /// Where they were seen.
     pub place: Place,
     /// What stands over them; empty where there is nothing to tell apart.
     pub title: &'static str,
-    /// The findings.
     pub findings: Vec<(usize, &'v Finding)>,
 }
 

@@ -8,15 +8,14 @@ use thiserror::Error;
 /// Why a simulation was refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum SimulationError {
     /// A value that no robot, sensor or trajectory can have.
     #[error("{what} is {value}: {reason}")]
     Value {
         /// The quantity, with the joint or link it belongs to.
         what: String,
-        /// The value that was asked for.
         value: f64,
-        /// What it has to be, as a sentence.
         reason: String,
     },
     /// A motion cannot be read.
@@ -29,135 +28,60 @@ pub enum SimulationError {
         what: String,
         /// `joint` or `link`.
         part: &'static str,
-        /// The index that was asked for.
         index: usize,
-        /// The robot.
         robot: String,
-        /// How many there are.
         available: usize,
     },
     /// Things that must be equally many are not.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// What was counted.
-        what: String,
-        /// The number that is right.
-        expected: usize,
-        /// The number that was found.
-        found: usize,
-    },
+    Count { what: String, expected: usize, found: usize },
     /// A link's inertial parameters are those of no body.
     #[error("{robot}: {reason}; every link needs a positive mass and an inertia of a real body")]
-    Body {
-        /// The robot.
-        robot: String,
-        /// Which link, and what is wrong.
-        reason: String,
-    },
+    Body { robot: String, reason: String },
     /// A trajectory leaves what the robot can do.
     #[error(
         "the trajectory asks joint {joint} for {value:.4} {unit} of {quantity} at {time_s:.3} s, its limit is \
          {limit:.4} {unit}; make it slower or smaller"
     )]
     BeyondLimit {
-        /// The joint.
         joint: usize,
         /// `position`, `velocity`, `acceleration` or `torque`.
         quantity: &'static str,
         /// Unit of value and limit.
         unit: &'static str,
-        /// The value that is asked for.
         value: f64,
-        /// The limit that it exceeds.
         limit: f64,
-        /// When.
         time_s: f64,
     },
     /// Two effects that cannot be in one simulation.
     #[error("effects {first} and {second} cannot act together on joint {joint}: {reason}")]
-    Conflict {
-        /// One identifier.
-        first: String,
-        /// The other.
-        second: String,
-        /// Where they meet.
-        joint: usize,
-        /// Why.
-        reason: String,
-    },
-    /// An effect identifier that is not known.
+    Conflict { first: String, second: String, joint: usize, reason: String },
     #[error("unknown effect `{name}`{}; known are {}", meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", "))]
-    UnknownEffect {
-        /// The name as written.
-        name: String,
-        /// What was probably meant.
-        meant: Option<String>,
-        /// All names.
-        known: Vec<String>,
-    },
-    /// A robot name that is not known.
+    UnknownEffect { name: String, meant: Option<String>, known: Vec<String> },
     #[error("unknown robot `{name}`; known are {}", known.join(", "))]
-    UnknownRobot {
-        /// The name as written.
-        name: String,
-        /// All names.
-        known: Vec<String>,
-    },
+    UnknownRobot { name: String, known: Vec<String> },
     /// The plant has a mode faster than the smallest integration step can follow.
     #[error(
         "{what} has a rate of {rate_per_s:.0} 1/s, which needs steps of {needed_s:.1e} s; the smallest is \
          {smallest_s:.1e} s. Soften it or give the joint more inertia"
     )]
-    TooStiff {
-        /// What is stiff.
-        what: String,
-        /// Its rate.
-        rate_per_s: f64,
-        /// The step it would need.
-        needed_s: f64,
-        /// The smallest step allowed.
-        smallest_s: f64,
-    },
+    TooStiff { what: String, rate_per_s: f64, needed_s: f64, smallest_s: f64 },
     /// The motion went away from its command or stopped being finite.
     #[error("the simulated motion of joint {joint} left its command at {time_s:.3} s: {reason}")]
-    Diverged {
-        /// The joint.
-        joint: usize,
-        /// When.
-        time_s: f64,
-        /// How.
-        reason: String,
-    },
-    /// An iteration did not settle.
+    Diverged { joint: usize, time_s: f64, reason: String },
     #[error("{what} did not settle within {iterations} iterations at {time_s:.3} s (change {change:.1e})")]
-    NotSettled {
-        /// Which iteration.
-        what: &'static str,
-        /// How many iterations there were.
-        iterations: usize,
-        /// The last change.
-        change: f64,
-        /// When.
-        time_s: f64,
-    },
+    NotSettled { what: &'static str, iterations: usize, change: f64, time_s: f64 },
     /// A plan, verdict or truth that cannot be read.
     #[error("{}: {reason}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    Unreadable { path: PathBuf, reason: String },
     /// A file that is not of its form, at a place.
     #[error("{}:{line}:{column}: {reason}", path.display())]
     Syntax {
-        /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
         /// The column in characters, from 1.
         column: usize,
-        /// What is wrong there.
         reason: String,
     },
     /// A file or folder that cannot be written or read.
@@ -165,19 +89,12 @@ pub enum SimulationError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// Why.
         source: std::io::Error,
     },
-    /// A simulated recording cannot be preprocessed.
     #[error("the simulated recording cannot be preprocessed: {reason}")]
-    Preprocessing {
-        /// What preprocessing says.
-        reason: String,
-    },
-    /// The rigid bodies refused.
+    Preprocessing { reason: String },
     #[error(transparent)]
     RigidBody(#[from] RbdError),
-    /// A model refused.
     #[error(transparent)]
     Model(#[from] aurt_traits::ModelError),
     /// Several things are wrong.

@@ -6,55 +6,37 @@ pub type Result<T = (), E = ModelError> = std::result::Result<T, E>;
 /// What can be wrong with a model or with a request to it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum ModelError {
     /// A parameter of the model's configuration has a value that the model cannot work with.
     #[error("model `{model}`: `{parameter}` {reason}")]
     InvalidParameter {
-        /// Registered name of the model.
         model: String,
-        /// Name of the configuration key or shape parameter.
         parameter: String,
         /// What is wrong, as the rest of a sentence ("must be positive, is -1").
         reason: String,
     },
     /// The model failed while it was evaluated (a plugin's error or panic, a value that is not finite).
     #[error("model `{model}` failed: {reason}")]
-    Evaluation {
-        /// Registered name of the model.
-        model: String,
-        /// What happened.
-        reason: String,
-    },
+    Evaluation { model: String, reason: String },
     /// A model was put into a slot of equation (6) whose invariant it does not declare.
     #[error(
         "model `{model}` cannot be the {slot} model: it is not {invariant} (equation (6) asks for it); {remedy}"
     )]
     SlotRefused {
-        /// Registered name of the model.
         model: String,
-        /// The slot that refused it.
         slot: &'static str,
         /// The invariant that is missing, in words.
         invariant: &'static str,
-        /// What to do.
         remedy: String,
     },
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// What was counted.
-        what: String,
-        /// The number that is right.
-        expected: usize,
-        /// The number that was found.
-        found: usize,
-    },
+    Count { what: String, expected: usize, found: usize },
     /// An instruction set was asked for by a name that is not known, or that this processor does not have.
     #[error("SIMD level `{asked}` {reason}; available here: {available}")]
     InstructionSet {
-        /// What was asked for.
         asked: String,
-        /// Why it cannot be had.
         reason: &'static str,
         /// What can be had, comma separated.
         available: String,

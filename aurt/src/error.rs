@@ -25,24 +25,20 @@ fn consequence(role: &str, other: &str) -> &'static str {
 /// Why something failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
     /// A robot, its models, or a file that holds them.
     #[error(transparent)]
     Model(Box<aurt_plugins::model::Error>),
-    /// A recording.
     #[error(transparent)]
     Recording(Box<RecordingError>),
-    /// Calibration, validation or prediction.
     #[error(transparent)]
     Calibration(Box<CalibrationError>),
-    /// Gains of the drives.
     #[error(transparent)]
     Gains(Box<GainsError>),
-    /// A simulation.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Simulation(Box<aurt_simulation::SimulationError>),
-    /// A diagnosis.
     #[error(transparent)]
     Diagnosis(Box<DiagnosisError>),
     /// A file or a model is not what is needed here.
@@ -50,9 +46,7 @@ pub enum Error {
     Unfit {
         /// The file, or what stands for it.
         path: PathBuf,
-        /// What is wrong.
         reason: String,
-        /// What to do.
         remedy: String,
     },
     /// Recordings of one model measure different quantities.
@@ -61,16 +55,7 @@ pub enum Error {
          are misread, convert with `torque_constants_nm_per_a`, or calibrate them separately",
         first.display(), first_unit.symbol(), other.display(), other_unit.symbol()
     )]
-    MixedUnits {
-        /// A recording.
-        first: PathBuf,
-        /// Its unit.
-        first_unit: MeasurementUnit,
-        /// Another recording.
-        other: PathBuf,
-        /// Its unit.
-        other_unit: MeasurementUnit,
-    },
+    MixedUnits { first: PathBuf, first_unit: MeasurementUnit, other: PathBuf, other_unit: MeasurementUnit },
     /// One recording holds samples of another.
     #[error(
         "{} ({role}) {likeness} {} ({other_role}){}; name another recording, or give both a `window_s` that do not \
@@ -78,36 +63,20 @@ pub enum Error {
         recording.display(), other.display(), consequence(role, other_role)
     )]
     Repeated {
-        /// The one that came second.
         recording: PathBuf,
-        /// What it is for.
         role: &'static str,
-        /// The one that has its samples, too.
         other: PathBuf,
-        /// What that is for.
         other_role: &'static str,
-        /// The way in which it has them.
         likeness: Likeness,
     },
-    /// A given model and the recordings have different units.
     #[error(
         "the model is in {}, the recordings are in {}; with `torque_constants_nm_per_a` currents become torques; a model in A \
          goes with recordings in A", given.symbol(), recorded.symbol()
     )]
-    GivenUnit {
-        /// Of the model.
-        given: MeasurementUnit,
-        /// Of the recordings.
-        recorded: MeasurementUnit,
-    },
+    GivenUnit { given: MeasurementUnit, recorded: MeasurementUnit },
     /// A file could not be written.
     #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
 }
 
 impl From<aurt_plugins::model::Error> for Error {

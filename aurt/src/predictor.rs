@@ -36,10 +36,12 @@ pub struct Predictor {
 /// Rigid bodies with values of their standard parameters.
 #[derive(Debug, Clone)]
 enum Bodies {
-    /// A serial chain.
     Chain(Box<ChainDynamics>),
     /// Bodies of any other kind.
-    Regressor { regressor: Arc<dyn RigidBodyRegressor>, standard: Vec<f64> },
+    Regressor {
+        regressor: Arc<dyn RigidBodyRegressor>,
+        standard: Vec<f64>,
+    },
 }
 
 impl Bodies {

@@ -57,9 +57,6 @@ impl Part {
     }
 
     /// Preprocessed.
-    ///
-    /// # Errors
-    /// What makes the recording unfit.
     pub(crate) fn questioned(
         &self,
         loaded: Loaded,

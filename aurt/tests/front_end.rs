@@ -273,7 +273,6 @@ fn rigid_bodies_of_ones_own_are_predicted_sample_by_sample() {
     }
 }
 
-/// The typed effects are those of the diagnosis.
 #[test]
 fn kinds_of_effects_are_those_of_the_diagnosis() {
     let mut known: Vec<&str> = aurt::diagnosis::effects::ALL.iter().map(|effect| effect.id).collect();

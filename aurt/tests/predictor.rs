@@ -57,7 +57,6 @@ fn calibrated(build: impl FnOnce(ModelBuilder) -> ModelBuilder, choice: LoadTorq
         .calibrated
 }
 
-/// Friction of models by their names.
 fn named([coulomb, hysteresis, viscous]: [Value; 3]) -> Friction {
     let registry = Registry::linked().unwrap();
     Friction::new(

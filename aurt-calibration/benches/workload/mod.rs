@@ -6,7 +6,7 @@ use std::{io::Write, path::Path, time::Instant};
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
-use aurt_recording::{ReadReport, Recording};
+use aurt_recording::Recording;
 use aurt_traits::{JointStack, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
@@ -82,16 +82,9 @@ pub fn recording(joints: usize, samples: usize) -> Recording {
     let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
     let series =
         |what: usize| (0..joints).map(|j| time_s.iter().map(|t| sample(j, *t)[what]).collect()).collect();
-    Recording {
-        file: "benchmark.csv".into(),
-        position_rad: series(0),
-        velocity_rad_s: None,
-        measurement: Some(series(1)),
-        unit: MeasurementUnit::NewtonMetre,
-        joints: aurt_recording::RecordedJoints::Unnamed,
-        report: ReadReport::default(),
-        time_s,
-    }
+    let (position, torque) = (series(0), series(1));
+    let recording = Recording::from_arrays(time_s, position).unwrap();
+    recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap()
 }
 
 /// Writes such a recording as a table, without holding it.

@@ -7,7 +7,7 @@ use aurt_calibration::NamedRecording;
 use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel, ViscousBasis,
 };
@@ -178,16 +178,8 @@ impl KnownRobot {
                 torque[j].push(tau[j] + dry + VISCOUS_NM_S[j] * velocity);
             }
         }
-        Recording {
-            file: format!("known_{kind}.csv").into(),
-            time_s,
-            position_rad: position,
-            velocity_rad_s: None,
-            measurement: Some(torque),
-            unit: MeasurementUnit::NewtonMetre,
-            joints: aurt_recording::RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        }
+        let recording = Recording::from_arrays(time_s, position).unwrap().named(format!("known_{kind}.csv"));
+        recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap()
     }
 }
 

@@ -71,9 +71,6 @@ impl Prior {
     }
 
     /// The links' pseudo-inertias.
-    ///
-    /// # Errors
-    /// What is wrong with the prior.
     pub(crate) fn bodies(&self, model: &RobotModel) -> Result<Vec<Matrix4<f64>>, PriorError> {
         let body = model.rigid_body();
         let expected = body.standard_parameters().len();

@@ -147,7 +147,6 @@ fn of_link(mass: &str, names: RobotNames<'_>) -> String {
 }
 
 impl ConsistentReport {
-    /// What a user should know.
     pub(crate) fn warnings(&self, names: RobotNames<'_>) -> Vec<String> {
         let mut warnings = Vec::new();
         // Beyond the 99.9 % point of the distribution that noise gives (Wilson and Hilferty's approximation).

@@ -15,9 +15,6 @@ const ORDER: usize = 4;
 const SHARE: f64 = 0.5;
 
 /// Puts the columns of the instruments Z in the place of those of W; residuals stay, and rows that were not fitted stay zero.
-///
-/// # Errors
-/// What the filter and models report.
 pub(crate) fn put_instruments(
     observed: &Observed<'_>,
     piece: &Piece<'_>,

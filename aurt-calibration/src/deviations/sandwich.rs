@@ -61,9 +61,6 @@ impl Sandwich<'_> {
     }
 
     /// The covariance of the coefficients, column-major.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn covariance(&self) -> Result<Vec<f64>, CalibrationError> {
         let Self { rows: observed, coefficients, weights, bread, .. } = *self;
         let model = observed.model;

@@ -33,7 +33,6 @@ pub fn stem(name: &str) -> &str {
     name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0)
 }
 
-/// The columns of a selection.
 pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Column>, DriveError> {
     let names = arm.names();
     let numbers = arm.numbers();

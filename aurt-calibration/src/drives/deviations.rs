@@ -65,7 +65,6 @@ fn together(stretches: &[Stretch]) -> Stretch {
     })
 }
 
-/// The covariance with stretches as they are.
 fn jackknife(curvature: &DMatrix<f64>, stretches: &[Stretch], fixed: &[bool]) -> Option<DMatrix<f64>> {
     let n = fixed.len();
     let is_free = |k: usize| !fixed[k];

@@ -3,57 +3,36 @@ use thiserror::Error;
 /// Why a drive cannot be simulated or estimated.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum DriveError {
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
-    Count {
-        /// What was counted.
-        what: &'static str,
-        /// The number that is right.
-        expected: usize,
-        /// The number that was found.
-        found: usize,
-    },
+    Count { what: &'static str, expected: usize, found: usize },
     /// A number outside its bounds.
     #[error("`{name}` must lie within {} and {}, is {value}", bounds[0], bounds[1])]
-    Bounds {
-        /// Its name, with the joint.
-        name: String,
-        /// Its value.
-        value: f64,
-        /// The least and the greatest that is allowed.
-        bounds: [f64; 2],
-    },
+    Bounds { name: String, value: f64, bounds: [f64; 2] },
     /// A number to be estimated that the model does not have.
     #[error("there is no number `{name}` to estimate; known: {known}")]
     Unknown {
-        /// What was asked for.
         name: String,
         /// What there is, comma separated.
         known: String,
     },
-    /// A limit to be estimated that has no start.
     #[error("`{name}` is to be estimated and has no start; give a value at which it acts")]
-    NoStart {
-        /// Its name, with the joint.
-        name: String,
-    },
+    NoStart { name: String },
     /// A recording that cannot be used.
     #[error("recording {recording}: {reason}")]
     Recording {
         /// Its place in the list, from 0.
         recording: usize,
-        /// What is wrong.
         reason: String,
     },
-    /// Pieces that are too short.
     #[error(
         "pieces of {piece_s:e} s have fewer than {rows} rows, from which their first velocity is taken; at least {least_s:.3} s are needed"
     )]
     ShortPieces {
         /// The length that was asked for, in s.
         piece_s: f64,
-        /// Rows that a piece needs.
         rows: usize,
         /// The length that they take, in s.
         least_s: f64,
@@ -65,10 +44,8 @@ pub enum DriveError {
     Diverged {
         /// Its place in the list, from 0.
         recording: usize,
-        /// When.
         time_s: f64,
     },
-    /// Held-out recordings that are too short to decide anything.
     #[error("the held-out recordings are too short to decide anything; at least {needed_s} s are needed")]
     TooShort {
         /// What is needed in s.

@@ -47,7 +47,6 @@ pub struct Options {
 }
 
 impl Options {
-    /// The recordings in the pieces that are simulated.
     pub(crate) fn pieces(&self, recordings: &[DriveRecording]) -> Result<Vec<DriveRecording>, DriveError> {
         let pieces: Result<Vec<_>, _> = recordings.iter().map(|r| r.pieces(self.piece_s)).collect();
         Ok(pieces?.into_iter().flatten().collect())

@@ -71,7 +71,6 @@ impl Hausman {
     }
 }
 
-/// A fit to be tested.
 pub(crate) struct Tested<'a> {
     pub rows: Observed<'a>,
     pub coefficients: &'a [f64],

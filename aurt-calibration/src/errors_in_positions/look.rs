@@ -108,15 +108,11 @@ fn agreement(fitted: &Fitted<'_>, shift: &Shift) -> Result<Option<Hausman>, Cali
     }
 }
 
-/// The filter that the positions of a recording passed.
 fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {
     Ok(recording.data.report.position_filter()?)
 }
 
 /// Whether noise of the positions is more than negligible at any joint.
-///
-/// # Errors
-/// What filters report.
 pub(crate) fn position_noise_matters(
     model: &RobotModel,
     recordings: &[&NamedRecording],

@@ -33,9 +33,6 @@ pub(super) fn acceleration_share(
 /// The segment with the noise of its positions added once more: the encoder, with its zero anywhere within a step, looks at
 /// the motion again, and what it is off by passes `filter`, that of the positions. The motion passes `smoother` before: where
 /// filters leave steps of the lattice in it, a second look would see them exactly.
-///
-/// # Errors
-/// What the filter reports.
 pub(super) fn noisier(
     segment: &Segment,
     noises: &[PositionNoise],

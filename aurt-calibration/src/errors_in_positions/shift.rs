@@ -45,7 +45,6 @@ impl Shift {
         Self { all, draws, coefficients }
     }
 
-    /// Of the coefficients.
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.all[..self.coefficients.min(self.all.len())]
     }
@@ -55,7 +54,6 @@ impl Shift {
         self.draws.iter().map(|draw| &draw[..self.coefficients])
     }
 
-    /// Of the shapes.
     pub(crate) fn shapes(&self) -> &[f64] {
         &self.all[self.coefficients.min(self.all.len())..]
     }

@@ -22,9 +22,6 @@ pub(crate) struct Full<'a> {
 }
 
 /// The recordings, each once, in about so many blocks.
-///
-/// # Errors
-/// What models report.
 pub(super) fn blocks_of(full: &Full<'_>, count: usize) -> Result<Vec<System>, CalibrationError> {
     let pieces = full.rows.pieces();
     let total: usize = pieces.iter().map(|piece| piece.segment.rows()).sum();

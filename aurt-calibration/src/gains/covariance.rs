@@ -15,9 +15,6 @@ use crate::{
 };
 
 /// The covariance of log g_j, of noise with the memory that residuals have, at least that of white noise.
-///
-/// # Errors
-/// What models report.
 pub(super) fn covariance(
     of: &GainsOf<'_>,
     load: &LoadTorque,

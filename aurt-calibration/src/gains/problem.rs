@@ -139,7 +139,6 @@ impl Problem {
         (0..self.factors.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 
-    /// Rows of all triangles.
     fn rows(&self) -> usize {
         self.factors.iter().map(|f| f.columns().len() + 1).sum()
     }

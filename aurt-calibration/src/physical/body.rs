@@ -134,7 +134,6 @@ impl Fitted<'_> {
         self.unit_of_measurement == MeasurementUnit::Ampere
     }
 
-    /// Unit of masses.
     const fn unit(&self) -> &'static str {
         match self.unit_of_measurement {
             MeasurementUnit::NewtonMetre => "kg",

@@ -79,9 +79,6 @@ fn loads(model: &RobotModel, joint: usize, range: &JointRange) -> Vec<f64> {
 
 /// The braking torque of a joint, column by column, at the speeds and loads that calibration covered, slow motion
 /// included; nothing for a joint that rested.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn braking_rows(
     model: &RobotModel,
     joint: usize,
@@ -101,9 +98,6 @@ pub(crate) fn braking_rows(
 
 /// What of a joint's torque brakes, column by column, at a steady speed in rad/s under a load: halved difference of both
 /// directions, in which offsets, springs and ripple fall out.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn braking(
     model: &RobotModel,
     joint: usize,

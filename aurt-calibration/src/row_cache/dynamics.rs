@@ -15,9 +15,7 @@ const STRIDE: usize = TILE_SAMPLES + 8;
 /// What writes columns beside the rigid bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'m> {
-    /// The stack of a joint.
     Stack { joint: usize, stack: &'m JointStack, first_column: usize },
-    /// An arm term.
     Term { term: &'m dyn ArmTerm, first_column: usize, rigid_body: &'m dyn RigidBodyRegressor },
 }
 
@@ -151,9 +149,6 @@ impl Running<'_> {
 }
 
 /// The filtered, decimated columns of some sources over a segment, in the sources' order.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn dynamics_rows(
     sources: &[Source<'_>],
     segment: &Segment,
@@ -180,9 +175,6 @@ pub(crate) fn dynamics_rows(
 
 /// The sources' columns over a segment, each times its coefficient and added to its joint's part of `summed`; the sums,
 /// filtered and decimated. The filter is linear: it sees one series a joint instead of all columns.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn dynamics_sums(
     sources: &[Source<'_>],
     segment: &Segment,

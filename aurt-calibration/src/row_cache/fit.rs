@@ -145,15 +145,11 @@ impl<'r> FitRows<'r> {
         self.bandwidth
     }
 
-    /// Rows of a joint.
     pub(crate) fn rows(&self, joint: usize) -> usize {
         self.joints[joint].rows
     }
 
     /// The split columns of some sources, in the order of the sources; `loads` holds τ_J of each piece.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn columns(
         &self,
         sources: &[Source<'_>],
@@ -248,7 +244,6 @@ impl<'r> FitRows<'r> {
         System::new(coefficients, factors)
     }
 
-    /// Whether each coefficient acts in each piece.
     pub(crate) fn acting(&self, model: &RobotModel, scopes: &TermScopes) -> Vec<Vec<bool>> {
         let all = self.rigid.recordings();
         self.pieces.iter().map(|p| scopes.acting(model, &all[p.recording].name)).collect()
@@ -268,7 +263,6 @@ impl Piece {
         Self { recording, segment, keep }
     }
 
-    /// Appends the rows of a joint that are fitted.
     pub(super) fn append(&self, joint: usize, rows: &[f64], to: &mut Vec<f64>) {
         match &self.keep {
             None => to.extend_from_slice(rows),
@@ -320,7 +314,6 @@ impl JointBasis {
         Ok(joint)
     }
 
-    /// The parts of columns.
     pub(super) fn split(&self, columns: &[&[f64]]) -> Vec<Split> {
         let (rows, n) = (self.rows, self.triangle.len().isqrt());
         let mut beyond = columns.concat();

@@ -43,9 +43,6 @@ pub fn calibrate_rows(
 }
 
 /// The two passes of a linear fit.
-///
-/// # Errors
-/// As [`calibrate_rows`].
 pub(crate) fn fit(
     model: &RobotModel,
     rows: &FitRows<'_>,
@@ -100,9 +97,6 @@ pub(crate) fn fit(
 
 impl FitRows<'_> {
     /// τ_J of each piece.
-    ///
-    /// # Errors
-    /// What arm terms report.
     pub(crate) fn loads(
         &self,
         model: &RobotModel,
@@ -115,9 +109,6 @@ impl FitRows<'_> {
     }
 
     /// What a fit found out; `shift` is what noise of the positions does to it, where shapes were searched.
-    ///
-    /// # Errors
-    /// As [`make_consistent`](crate::make_consistent).
     pub(crate) fn calibration(
         &self,
         setting: &Setting<'_>,

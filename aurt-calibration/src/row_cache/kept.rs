@@ -20,7 +20,6 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// The unfiltered columns.
     pub(crate) fn columns(&self) -> impl Iterator<Item = &[f64]> {
         self.unfiltered.chunks_exact(self.samples.max(1))
     }

@@ -34,9 +34,6 @@ impl LoadSeries {
 
 impl RigidRows<'_> {
     /// τ_J over a segment, as [`RobotModel::evaluate`] forms it.
-    ///
-    /// # Errors
-    /// What arm terms report.
     pub(crate) fn load_series(
         &self,
         model: &RobotModel,

@@ -14,9 +14,6 @@ use crate::CalibrationError;
 
 impl RigidRows<'_> {
     /// The columns of a model that does not read the load torque; `identity` tells it from others.
-    ///
-    /// # Errors
-    /// What the model reports.
     pub(super) fn part(
         &self,
         (recording, segment, joint): (usize, usize, usize),
@@ -36,9 +33,6 @@ impl RigidRows<'_> {
 
     /// Σ coefficient · column of a separable stack over a segment; `coefficients` are the stack's own. What does not
     /// depend on τ_J is added to `rows`, filtered and decimated; the rest, unfiltered, to `sums`.
-    ///
-    /// # Errors
-    /// What models report.
     pub(super) fn add_stack(
         &self,
         (recording, segment, joint): (usize, usize, usize),

@@ -16,9 +16,6 @@ pub(super) fn identity(slot: &str, model: &(impl serde::Serialize + ?Sized)) -> 
 }
 
 /// A model's columns at a joint over a whole segment, column after column.
-///
-/// # Errors
-/// What the model reports.
 pub(super) fn unfiltered(
     model: &dyn JointModel,
     segment: &Segment,
@@ -43,9 +40,6 @@ pub(super) fn unfiltered(
 }
 
 /// Columns over a whole segment, filtered and decimated.
-///
-/// # Errors
-/// What the filter reports.
 pub(super) fn filtered(
     segment: &Segment,
     columns: &[f64],

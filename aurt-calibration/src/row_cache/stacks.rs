@@ -23,7 +23,6 @@ struct StackSplits {
 enum Products {
     /// The Coulomb column is one: the hysteresis columns themselves.
     Same,
-    /// Others, or zeros.
     Other(Vec<Split>),
 }
 
@@ -40,9 +39,6 @@ impl StackSplits {
 
 impl FitRows<'_> {
     /// The split columns of a separable stack; `loads` holds τ_J of each piece.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn stack_columns(
         &self,
         (joint, stack, first_column): (usize, &JointStack, usize),
@@ -58,9 +54,6 @@ impl FitRows<'_> {
     }
 
     /// The factor of a joint whose rows have no other columns than the rigid bodies' and those of a separable stack.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn stack_factor(
         &self,
         (joint, stack, first_column): (usize, &JointStack, usize),
@@ -74,9 +67,6 @@ impl FitRows<'_> {
 
     /// The system of a model at τ_J = 0, where load-dependent columns vanish and all models with the same hysteresis and
     /// viscous parts have the same columns; these are factorised once. Nothing for a model that has other columns too.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn unloaded_system(&self, model: &RobotModel) -> Result<Option<System>, CalibrationError> {
         if !model.arm_terms().is_empty() {
             return Ok(None);

@@ -52,9 +52,6 @@ pub(crate) struct Accumulated {
 }
 
 /// As [`accumulate_scoped`], with the range of the load torques.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn accumulate_ranged(
     model: &RobotModel,
     recordings: &[NamedRecording],
@@ -155,9 +152,6 @@ impl<'a> Folding<'a> {
     }
 
     /// Takes in the next samples. `measured` has the rows that the filter may deliver meanwhile.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn push(
         &mut self,
         motion: MotionView<'_>,
@@ -193,9 +187,6 @@ impl<'a> Folding<'a> {
     }
 
     /// Ends the segment.
-    ///
-    /// # Errors
-    /// What the filter reports.
     pub(crate) fn finish(self, measured: &Measured<'_>) -> Result<Accumulated, CalibrationError> {
         let coefficients = self.model.parameters().len();
         let finish = |share: Share<'_>| share.finish(measured);

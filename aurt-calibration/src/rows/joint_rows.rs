@@ -18,9 +18,6 @@ pub(crate) struct JointRows {
 }
 
 /// The rows of all joints over a segment; none without a measurement.
-///
-/// # Errors
-/// What models report.
 pub(super) fn rows_of(
     model: &RobotModel,
     segment: &Segment,

@@ -55,9 +55,6 @@ impl<'a> Observed<'a> {
     }
 
     /// The rows of all joints over each of the pieces, with the residual of `coefficients`.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn rows(
         &self,
         pieces: &[Piece<'_>],
@@ -67,9 +64,6 @@ impl<'a> Observed<'a> {
     }
 
     /// The rows of all joints over a segment; none without a measurement.
-    ///
-    /// # Errors
-    /// What models report.
     pub(crate) fn rows_of(
         &self,
         segment: &Segment,

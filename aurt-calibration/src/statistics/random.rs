@@ -7,7 +7,6 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 pub(crate) struct Random(SplitMix64);
 
 impl Random {
-    /// The sequence of a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Self(SplitMix64::seed_from_u64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x2545_F491_4F6C_DD1D))
     }

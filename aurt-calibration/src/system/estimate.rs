@@ -49,9 +49,6 @@ pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, Calib
 }
 
 /// The coefficients of [`estimate`] alone.
-///
-/// # Errors
-/// As [`estimate`].
 pub(crate) fn estimate_coefficients(
     system: &System,
     estimator: Estimator,

@@ -157,9 +157,6 @@ impl System {
     }
 
     /// The coefficients of [`Self::solve`] alone.
-    ///
-    /// # Errors
-    /// [`CalibrationError::NotFinite`].
     pub(crate) fn solve_coefficients_of(
         &self,
         weights: &[f64],
@@ -222,9 +219,6 @@ impl System {
     }
 
     /// What the weighted rows determine, as one triangle.
-    ///
-    /// # Errors
-    /// [`CalibrationError::NotFinite`].
     pub(crate) fn triangle(&self, weights: &[f64]) -> Result<Triangle, CalibrationError> {
         let Reduced { kept, scales, upper, right, others, beyond } = self.reduced(weights, |_| true)?;
         let m = kept.len();

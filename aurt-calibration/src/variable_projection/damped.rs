@@ -27,7 +27,6 @@ impl Default for ShapeOptions {
     }
 }
 
-/// Where a descent ended.
 #[derive(Debug, Clone)]
 pub(super) struct Descent {
     pub point: Point,

@@ -32,7 +32,6 @@ pub fn shapes_of(model: &RobotModel) -> Vec<String> {
 }
 
 impl Owner {
-    /// All owners of a model.
     pub(super) fn all(model: &RobotModel) -> Vec<Self> {
         let stacks = model.stacks().iter().enumerate().map(|(joint, stack)| {
             let parts: [(&str, Vec<ShapeParameter>); 3] = [
@@ -66,9 +65,6 @@ impl Owner {
     }
 
     /// The owner with its shapes at these shares of their ranges.
-    ///
-    /// # Errors
-    /// If the model refuses them.
     pub(super) fn at(&self, units: &[f64]) -> Result<Variant, ModelError> {
         let values: Vec<f64> = self.shapes.iter().zip(units).map(|(s, u)| value(s, *u)).collect();
         let mut variant = self.variant.clone();
@@ -96,9 +92,6 @@ impl Variant {
     }
 
     /// The model with this variant in the place of its own.
-    ///
-    /// # Errors
-    /// If it does not fit.
     pub(super) fn put_into(
         self,
         model: &RobotModel,

@@ -24,11 +24,9 @@ pub(super) struct Problem<'a> {
     acting: &'a [Vec<bool>],
     loads: &'a [LoadSeries],
     weights: Vec<f64>,
-    /// Columns of what has no shapes.
     fixed: Vec<SplitColumn>,
     /// Whether a coefficient occurs in the rows of one joint only.
     private: Vec<bool>,
-    /// The other coefficients.
     shared: Vec<usize>,
     evaluations: AtomicUsize,
 }
@@ -73,9 +71,6 @@ pub(super) struct Linearised {
 
 impl<'a> Problem<'a> {
     /// The problem of a model's shapes.
-    ///
-    /// # Errors
-    /// What models report.
     pub(super) fn new(
         model: &'a RobotModel,
         rows: &'a FitRows<'a>,
@@ -119,9 +114,6 @@ impl<'a> Problem<'a> {
     }
 
     /// The problem at given shapes of all owners.
-    ///
-    /// # Errors
-    /// What models report.
     pub(super) fn at(&self, units: Vec<Vec<f64>>) -> Result<Point, CalibrationError> {
         let columns = units
             .par_iter()
@@ -135,9 +127,6 @@ impl<'a> Problem<'a> {
     }
 
     /// `point` with other shapes for some owners.
-    ///
-    /// # Errors
-    /// What models report.
     pub(super) fn moved(
         &self,
         point: &Point,
@@ -162,9 +151,6 @@ impl<'a> Problem<'a> {
     }
 
     /// The model with the shapes of a point.
-    ///
-    /// # Errors
-    /// If a model refuses them.
     pub(super) fn model_at(&self, point: &Point) -> Result<RobotModel, CalibrationError> {
         let mut model = self.model.clone();
         for (owner, units) in self.owners.iter().zip(&point.units) {
@@ -186,17 +172,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The coefficients that belong to a point.
-    ///
-    /// # Errors
-    /// [`CalibrationError::NotFinite`].
     pub(super) fn coefficients(&self, point: &Point) -> Result<Vec<f64>, CalibrationError> {
         Ok(self.system(point, &[]).solve_coefficients(&self.weights)?.0)
     }
 
     /// The sensitivities of some owners' shapes; `coefficients` are those of the fit at `point`.
-    ///
-    /// # Errors
-    /// What models report.
     pub(super) fn sensitivities(
         &self,
         point: &Point,

@@ -6,7 +6,6 @@ use super::{
 };
 use crate::CalibrationError;
 
-/// What a search found.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
     pub descent: Descent,
@@ -24,9 +23,6 @@ const LOOK_AROUND: [f64; 3] = [0.05, 0.01, 0.002];
 const MOST_ESCAPES: usize = 6;
 
 /// Searches the whole box.
-///
-/// # Errors
-/// What models report at the model's own shapes.
 pub(super) fn search_box(
     problem: &Problem<'_>,
     start: Point,
@@ -51,9 +47,6 @@ pub(super) fn search_box(
 }
 
 /// Searches the surroundings of a point.
-///
-/// # Errors
-/// What models report.
 pub(super) fn search_nearby(
     problem: &Problem<'_>,
     start: Point,

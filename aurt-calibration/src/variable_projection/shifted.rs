@@ -10,9 +10,6 @@ use crate::{
 
 /// By how much noise of the positions is taken to have shifted coefficients and shapes, the latter as shares of their ranges:
 /// one step of Gauss and Newton from the minimum, with the noise added once more, for each draw. Shapes at a bound stay there.
-///
-/// # Errors
-/// What models report.
 pub(super) fn shift(
     shaped: &Shaped<'_>,
     units: &[Vec<f64>],

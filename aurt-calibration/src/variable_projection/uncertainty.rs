@@ -17,9 +17,6 @@ pub(super) struct Precision {
 }
 
 /// Solves the problem with a column for every shape that is free, (∂W/∂θ) ζ, around the minimum.
-///
-/// # Errors
-/// What models report.
 pub(super) fn precision(
     problem: &Problem<'_>,
     point: &Point,

@@ -148,7 +148,6 @@ fn without_a_known_load_there_are_ratios_only() {
     }
 }
 
-/// What is said beforehand is what is found.
 #[test]
 fn decidability_is_known_beforehand() {
     let world = currents(2, 1.0);

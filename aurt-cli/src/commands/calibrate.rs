@@ -64,7 +64,6 @@ pub struct Calibrate {
 }
 
 impl Calibrate {
-    /// Calibrates.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let terminal = session.terminal;
         let mut inputs = vec![self.model.as_path()];

@@ -70,7 +70,6 @@ pub struct Check {
 }
 
 impl Check {
-    /// Checks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let plots = self.plots.folder()?;
@@ -114,9 +113,9 @@ impl Check {
     fn drives(&self, experiment: &Experiment, session: &Session<'_>) -> Result<Report, Failure> {
         let given = [("--fixed", self.fixed.is_some()), ("--out", self.out.is_some())];
         if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
-            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
+            let reason = "is of recordings with torques, and this experiment has a [drive]";
             let remedy = format!("leave out {option}: what is found is printed, and in the output of --json");
-            return Err(Failure::Argument { option, reason, remedy });
+            return Err(Failure::argument(option, reason, remedy));
         }
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let outcome = check_drives(experiment, &session.terminal.progress(count + 2))?;

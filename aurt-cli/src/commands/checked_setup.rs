@@ -16,16 +16,9 @@ use serde_json::json;
 use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
 /// Where `--fixed` goes: beside the experiment, since its paths start there.
-///
-/// # Errors
-/// If there is no experiment, or the file would lie elsewhere.
 pub fn place(fixed: Option<&Path>, experiment: Option<&Experiment>) -> Result<Option<OutputFile>, Failure> {
     let Some(path) = fixed else { return Ok(None) };
-    let refuse = |reason: String, remedy: &str| Failure::Argument {
-        option: "--fixed",
-        reason,
-        remedy: remedy.to_owned(),
-    };
+    let refuse = |reason: String, remedy: &str| Failure::argument("--fixed", reason, remedy);
     let Some(experiment) = experiment else {
         return Err(refuse(
             "there is no experiment to correct".into(),
@@ -47,9 +40,6 @@ pub fn place(fixed: Option<&Path>, experiment: Option<&Experiment>) -> Result<Op
 }
 
 /// Writes the corrected experiment, if mistakes of its setup were found, and says so in a report.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn correct(
     checkup: &Checkup,
     experiment: &Experiment,
@@ -79,9 +69,6 @@ pub struct Doubts {
 }
 
 /// Looks at a calibrated model and what it was calibrated on.
-///
-/// # Errors
-/// If the setup cannot be examined.
 pub fn doubts(
     experiment: &Experiment,
     results: &[RecordingResult],

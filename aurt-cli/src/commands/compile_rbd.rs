@@ -63,7 +63,6 @@ impl From<Rows> for MdhRows {
 }
 
 impl CompileRbd {
-    /// Compiles.
     pub fn run(&self) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.mdh])?;
         let table = MdhTable::from_path(&self.mdh, self.mdh_rows.into())?;

@@ -66,7 +66,6 @@ impl LoadDependence {
 }
 
 impl CompileRd {
-    /// Compiles.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let mut inputs = vec![self.model_rbd.as_path()];
         inputs.extend(self.experiment.as_deref());
@@ -77,16 +76,16 @@ impl CompileRd {
             Some(path) => {
                 let experiment = Experiment::read(path, &mut session.registry)?;
                 if experiment.joints() != joints {
-                    return Err(Failure::Argument {
-                        option: "--experiment",
-                        reason: format!(
+                    return Err(Failure::argument(
+                        "--experiment",
+                        format!(
                             "{} describes a robot with {} joints, {} one with {joints}",
                             path.display(),
                             experiment.joints(),
                             self.model_rbd.display()
                         ),
-                        remedy: "use files of one robot".into(),
-                    });
+                        "use files of one robot",
+                    ));
                 }
                 (
                     experiment.joint_dynamics.stacks(joints).map_err(aurt_plugins::model::Error::Assembly)?,

@@ -133,7 +133,6 @@ enum RestName {
 }
 
 impl FittingOptions {
-    /// How recordings are preprocessed.
     pub fn preprocessing(&self) -> Preprocessing {
         Preprocessing {
             sample_rate_hz: self.sample_rate_hz,
@@ -142,7 +141,6 @@ impl FittingOptions {
         }
     }
 
-    /// What is undone in measurements.
     pub fn instrument(&self) -> Instrument {
         let torque_constants_nm_per_a = self.torque_constants.as_ref().map(|Constants(k)| k.clone());
         Instrument { torque_constants_nm_per_a, ..Instrument::default() }

@@ -33,7 +33,6 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let progress = session.terminal.progress(1);
@@ -85,12 +84,12 @@ fn missing(folder: &Path, inputs: &[demo::File]) -> Result<Vec<demo::File>, Fail
                 missing.push((name.clone(), contents.clone()))
             }
             _ => {
-                return Err(Failure::Output {
-                    option: "--out",
-                    path,
-                    reason: "is not as the demo writes it: it is your own, or of another version, and would be overwritten".into(),
-                    remedy: "name another folder".into(),
-                });
+                return Err(Failure::output(
+                    "--out",
+                    &path,
+                    "is not as the demo writes it: it is your own, or of another version, and would be overwritten",
+                    "name another folder",
+                ));
             }
         }
     }

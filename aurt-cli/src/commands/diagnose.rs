@@ -105,7 +105,6 @@ impl Diagnose {
         }
     }
 
-    /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let learnt = self.learnt.as_deref().map(Learnt::read).transpose()?;
@@ -197,14 +196,14 @@ impl Diagnose {
             ("--plots", self.plots.folder()?.is_some()),
         ];
         if let Some((option, _)) = unused.into_iter().find(|(_, given)| *given) {
-            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
-            return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
+            let reason = "is of recordings with torques, and this experiment has a [drive]";
+            return Err(Failure::argument(option, reason, "leave it out"));
         }
         if let Some(file) = &self.model {
             let chosen = [("--without", &self.without), ("--only", &self.only)];
             if let Some((option, _)) = chosen.into_iter().find(|(_, names)| !names.is_empty()) {
-                let reason = "chooses structures, and with `--model` the fit is judged as it is".into();
-                return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
+                let reason = "chooses structures, and with `--model` the fit is judged as it is";
+                return Err(Failure::argument(option, reason, "leave it out"));
             }
             return write_drives(
                 "diagnose",
@@ -231,15 +230,15 @@ impl Diagnose {
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
             let meant = suggestion::likely(name, known.iter().copied());
             let meant = meant.map_or_else(String::new, |k| format!("did you mean `{k}`? "));
-            return Err(Failure::Argument {
+            return Err(Failure::argument(
                 option,
-                reason: format!("there is no {kind} `{name}`"),
-                remedy: if kind == "structure" {
+                format!("there is no {kind} `{name}`"),
+                if kind == "structure" {
                     format!("{meant}known: {}", known.join(", "))
                 } else {
                     format!("{meant}`aurt explain` lists what there is")
                 },
-            });
+            ));
         }
         if self.only.is_empty() {
             return Ok(self.without.clone());

@@ -87,17 +87,16 @@ pub enum Kind {
 }
 
 impl Excite {
-    /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = PlannedOutput::new("--out", &self.out, &self.which.inputs())?;
         out.check_rate_hz(self.rate_hz)?;
         let PlannedRobot { robot, bodies, joint_names, notes, knows_torques } = self.which.planned()?;
         if self.torque_limits && !knows_torques {
-            return Err(Failure::Argument {
-                option: "--torque-limits",
-                reason: "needs the masses of the links, and these are known of simulated robots alone".into(),
-                remedy: "leave it out; check the planned motion in the robot's own simulator".into(),
-            });
+            return Err(Failure::argument(
+                "--torque-limits",
+                "needs the masses of the links, and these are known of simulated robots alone",
+                "leave it out; check the planned motion in the robot's own simulator",
+            ));
         }
         let (trajectory, condition) = self.trajectory(&robot, bodies.as_deref(), session)?;
         if self.torque_limits {

@@ -38,7 +38,6 @@ pub struct Explain {
 }
 
 impl Explain {
-    /// Explains.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let Some(name) = &self.name else { return Ok(listing(session)) };
         let wanted = name.trim().to_lowercase().replace(['-', ' '], "_");
@@ -87,14 +86,13 @@ fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
         effects::ALL.into_iter().flat_map(|e| [e.id].into_iter().chain(e.parameters.iter().map(|p| p.name)));
     let known = models.chain(effects).chain(terms().iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
-    Failure::Argument {
-        option: "NAME",
-        reason: format!("there is no effect, parameter, model or term `{written}`"),
-        remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
-    }
+    Failure::argument(
+        "NAME",
+        format!("there is no effect, parameter, model or term `{written}`"),
+        format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
+    )
 }
 
-/// What can be explained.
 fn listing(session: &Session<'_>) -> Report {
     let effects: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();

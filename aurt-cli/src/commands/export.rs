@@ -114,20 +114,20 @@ pub enum FmiName {
 impl Export {
     fn target(&self) -> Result<Target, Failure> {
         if self.target != TargetName::Isaac && self.experiment.is_some() {
-            return Err(Failure::Argument {
-                option: "--experiment",
-                reason: "is of the target `isaac` alone".into(),
-                remedy: "leave it out, or export to `isaac`".into(),
-            });
+            return Err(Failure::argument(
+                "--experiment",
+                "is of the target `isaac` alone",
+                "leave it out, or export to `isaac`",
+            ));
         }
         if self.target != TargetName::Fmu {
             for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
                 if given {
-                    return Err(Failure::Argument {
+                    return Err(Failure::argument(
                         option,
-                        reason: "is of the target `fmu` alone".into(),
-                        remedy: "leave it out, or export to `fmu`".into(),
-                    });
+                        "is of the target `fmu` alone",
+                        "leave it out, or export to `fmu`",
+                    ));
                 }
             }
         }
@@ -151,15 +151,14 @@ impl Export {
         match self.target {
             TargetName::Mjcf => Ok(Some((file, Format::Mjcf))),
             TargetName::Urdf => Ok(Some((file, Format::Urdf))),
-            _ => Err(Failure::Argument {
-                option: "--into",
-                reason: "is of the targets `mjcf` and `urdf` alone".into(),
-                remedy: "leave it out, or export to one of these".into(),
-            }),
+            _ => Err(Failure::argument(
+                "--into",
+                "is of the targets `mjcf` and `urdf` alone",
+                "leave it out, or export to one of these",
+            )),
         }
     }
 
-    /// Exports.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
@@ -173,13 +172,9 @@ impl Export {
             }
             (Some(_), original) => {
                 let option = if original.is_some() { "--into" } else { "TARGET" };
-                let reason =
-                    "a model of drives is exported as a MuJoCo model of its own or to Isaac Lab".into();
-                return Err(Failure::Argument {
-                    option,
-                    reason,
-                    remedy: "use `aurt export mjcf` or `isaac` without `--into`".into(),
-                });
+                let reason = "a model of drives is exported as a MuJoCo model of its own or to Isaac Lab";
+                let remedy = "use `aurt export mjcf` or `isaac` without `--into`";
+                return Err(Failure::argument(option, reason, remedy));
             }
             (None, original) => {
                 let model = ModelFile::from_document(&self.model, document, &read, &session.registry)?;

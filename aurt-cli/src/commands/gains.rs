@@ -48,7 +48,6 @@ pub struct GainsCommand {
 }
 
 impl GainsCommand {
-    /// Estimates.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let folder = self.out.as_ref().map(|out| OutputFolder::new("--out", out)).transpose()?;

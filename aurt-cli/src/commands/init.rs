@@ -70,11 +70,11 @@ impl Init {
     /// Writes the experiment.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         if self.out.exists() {
-            return Err(Failure::Argument {
-                option: "--out",
-                reason: format!("{} exists", self.out.display()),
-                remedy: "name another file, or remove that one: experiments are not overwritten".into(),
-            });
+            return Err(Failure::argument(
+                "--out",
+                format!("{} exists", self.out.display()),
+                "name another file, or remove that one: experiments are not overwritten",
+            ));
         }
         let recordings: Vec<(&PathBuf, Option<Role>)> = [
             (&self.recordings, None),
@@ -121,12 +121,12 @@ impl Init {
     fn robot(&self) -> Result<String, Failure> {
         let asked =
             || ask("Robot (a name of `aurt robots`, a .urdf, an MJCF .xml, or a table of MDH parameters): ");
-        self.robot.clone().or_else(asked).ok_or_else(|| Failure::Argument {
-            option: "--robot",
-            reason: "the robot is not given".into(),
-            remedy:
-                "give a name that `aurt robots` lists, a .urdf, an MJCF .xml, or a table of MDH parameters"
-                    .into(),
+        self.robot.clone().or_else(asked).ok_or_else(|| {
+            Failure::argument(
+                "--robot",
+                "the robot is not given",
+                "give a name that `aurt robots` lists, a .urdf, an MJCF .xml, or a table of MDH parameters",
+            )
         })
     }
 
@@ -137,10 +137,8 @@ impl Init {
         ask("Gravity in the base frame, x y z in m/s² (return: 0 0 -9.81, checked against the recordings): ")
             .map(|text| parse_gravity(&text))
             .transpose()
-            .map_err(|reason| Failure::Argument {
-                option: "--gravity",
-                reason,
-                remedy: "write three numbers, such as 0 0 -9.81".into(),
+            .map_err(|reason| {
+                Failure::argument("--gravity", reason, "write three numbers, such as 0 0 -9.81")
             })
     }
 }

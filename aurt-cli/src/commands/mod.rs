@@ -97,9 +97,6 @@ pub struct Session<'a> {
 
 impl Command {
     /// Does it.
-    ///
-    /// # Errors
-    /// Why it could not be done.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         match self {
             Self::Run(command) => command.run(session),

@@ -20,7 +20,6 @@ pub const EXAMPLE_JOINTS: usize = 6;
 pub struct Models {}
 
 impl Models {
-    /// Lists.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let registry = &session.registry;
         let mut text = String::new();
@@ -88,9 +87,6 @@ pub fn describe_drive(listing: &DriveListing) -> Value {
 }
 
 /// Everything that is known of a model.
-///
-/// # Errors
-/// If its example gives no model.
 pub fn describe(registry: &Registry, model: &ModelListing) -> Result<Value, Failure> {
     let description = registry.describe(model, EXAMPLE_JOINTS).map_err(aurt_plugins::model::Error::Build)?;
     let columns: Vec<Value> =

@@ -105,7 +105,6 @@ fn parse_box(text: &str) -> Result<KeepOut, String> {
 }
 
 impl NextMotion {
-    /// Plans.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let inputs = [Some(&self.experiment), self.limits.as_ref(), self.model.as_ref()];
@@ -151,9 +150,7 @@ impl NextMotion {
 
     /// Refuses numbers that no plan has, before anything is read.
     fn check(&self) -> Result<(), Failure> {
-        let refuse = |option, reason: String, remedy: &str| {
-            Err(Failure::Argument { option, reason, remedy: remedy.into() })
-        };
+        let refuse = |option, reason: String, remedy: &str| Err(Failure::argument(option, reason, remedy));
         let known = || effects::ALL.into_iter().map(|effect| effect.id);
         if let Some(name) = self.without.iter().find(|name| !known().any(|id| id == name.as_str())) {
             return refuse(

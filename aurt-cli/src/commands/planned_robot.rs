@@ -78,9 +78,6 @@ impl PlannedRobotOptions {
     }
 
     /// The robot.
-    ///
-    /// # Errors
-    /// What is wrong with a file, and limits that nobody states.
     pub fn planned(&self) -> Result<PlannedRobot, Failure> {
         if let Some(mdh) = &self.mdh {
             return self.of_table(mdh);
@@ -94,7 +91,7 @@ impl PlannedRobotOptions {
             );
         }
         if self.base.is_some() || self.tip.is_some() {
-            return Err(refuse(
+            return Err(Failure::argument(
                 "--tip",
                 format!("`{asked}` is no file"),
                 "give the robot's URDF or MJCF file",
@@ -109,7 +106,7 @@ impl PlannedRobotOptions {
                 Ok(PlannedRobot { robot, bodies: None, joint_names: Vec::new(), notes, knows_torques: true })
             }
             (_, Some(known)) => self.of_description(&known.description(), known.name),
-            (Ok(_), None) => Err(refuse(
+            (Ok(_), None) => Err(Failure::argument(
                 "--limits",
                 format!("{asked} is simulated with limits of its own"),
                 "leave `--limits` out, or give the geometry with `--mdh`",
@@ -188,7 +185,11 @@ impl PlannedRobotOptions {
             [("--velocity-rad-s", self.velocity_rad_s), ("--acceleration-rad-s2", self.acceleration_rad_s2)]
         {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-                return Err(refuse(option, format!("{value} is no limit"), "give a positive number"));
+                return Err(Failure::argument(
+                    option,
+                    format!("{value} is no limit"),
+                    "give a positive number",
+                ));
             }
         }
         let (mut limits, mut endless, mut without_speed, mut without_range, mut without_room) =
@@ -215,7 +216,7 @@ impl PlannedRobotOptions {
             limits.push(MotionLimits { position_rad, velocity_rad_s, acceleration_rad_s2 });
         }
         if !without_room.is_empty() {
-            return Err(refuse(
+            return Err(Failure::argument(
                 "--robot",
                 format!(
                     "{from} states position limits without room between them: {}",
@@ -226,14 +227,14 @@ impl PlannedRobotOptions {
             ));
         }
         if !without_range.is_empty() {
-            return Err(refuse(
+            return Err(Failure::argument(
                 "--robot",
                 format!("{from} states no range of the prismatic joints {}", without_range.join(", ")),
                 "give all limits in a table: --limits limits.csv",
             ));
         }
         if self.velocity_rad_s.is_none() && !without_speed.is_empty() {
-            return Err(refuse(
+            return Err(Failure::argument(
                 "--robot",
                 format!("{from} states no velocity limit of the joints {}", without_speed.join(", ")),
                 "give one for them with --velocity-rad-s, or all limits in a table: --limits limits.csv",
@@ -259,10 +260,6 @@ impl PlannedRobotOptions {
         });
         Ok((limits, notes))
     }
-}
-
-fn refuse(option: &'static str, reason: String, remedy: &str) -> Failure {
-    Failure::Argument { option, reason, remedy: remedy.into() }
 }
 
 /// The rows as simulations read them, with the alpha and a that lead on to the next joint.

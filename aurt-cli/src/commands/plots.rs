@@ -20,9 +20,6 @@ impl PlotOptions {
     }
 
     /// The folder, checked before any work is done.
-    ///
-    /// # Errors
-    /// [`Failure::Output`].
     pub fn folder(&self) -> Result<Option<OutputFolder>, Failure> {
         self.plots.as_deref().map(|path| OutputFolder::nested("--plots", path)).transpose()
     }

@@ -46,7 +46,6 @@ pub struct Predict {
 }
 
 impl Predict {
-    /// Predicts.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
         // Once: it may be a pipe.
@@ -104,11 +103,7 @@ impl Predict {
     fn roll_out(&self, mut drive: CalibratedDrive, out: &OutputFile) -> Result<Report, Failure> {
         if SeriesFormat::of_ending(&self.out).is_some() {
             let reason = "positions from commands are written as a text table".to_owned();
-            return Err(Failure::Argument {
-                option: "--out",
-                reason,
-                remedy: "end its name in .csv".to_owned(),
-            });
+            return Err(Failure::argument("--out", reason, "end its name in .csv"));
         }
         if let Some(gravity) = self.gravity {
             drive.arm.chain = drive.arm.chain.under_gravity(gravity.0);
@@ -138,17 +133,17 @@ impl Predict {
                         .all(|((i, x), (k, y))| i == k && (x - y).abs() <= 1e-9 * y.abs().max(1.0))
             });
         if !same {
-            return Err(Failure::Argument {
-                option: "--gravity",
-                reason: format!(
+            return Err(Failure::argument(
+                "--gravity",
+                format!(
                     "{} was calibrated under gravity {known}, which determines {} base parameters; under {gravity} \
                      torques depend on {} of them",
                     self.model.display(),
                     model.base().len(),
                     dynamics.base.len()
                 ),
-                remedy: "calibrate on recordings of the robot mounted like that".into(),
-            });
+                "calibrate on recordings of the robot mounted like that",
+            ));
         }
         let model = dynamics.with_joint_dynamics(model.stacks().to_vec(), model.arm_terms().to_vec())?;
         Ok(CalibratedModel { model, ..calibrated })

@@ -18,7 +18,6 @@ const WIDTH: usize = 78;
 pub struct Robots {}
 
 impl Robots {
-    /// Lists.
     pub fn run(&self, _: &Session<'_>) -> Result<Report, Failure> {
         let mut table = Table::new(["name", "robot", "joints"]).left(2);
         let mut sources = String::new();

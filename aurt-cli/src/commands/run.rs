@@ -62,7 +62,6 @@ pub enum SeriesName {
 }
 
 impl SeriesName {
-    /// The format.
     pub const fn format(self) -> SeriesFormat {
         match self {
             Self::Parquet => SeriesFormat::Parquet,
@@ -72,7 +71,6 @@ impl SeriesName {
 }
 
 impl Run {
-    /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
@@ -89,11 +87,11 @@ impl Run {
         );
         if together > self.stream_above {
             if self.series.is_some() {
-                return Err(Failure::Argument {
-                    option: "--series",
-                    reason: "needs the recordings in memory, and they are read in stretches".into(),
-                    remedy: format!("raise --stream-above beyond {together}"),
-                });
+                return Err(Failure::argument(
+                    "--series",
+                    "needs the recordings in memory, and they are read in stretches",
+                    format!("raise --stream-above beyond {together}"),
+                ));
             }
             let because = TooLarge { together, limit: self.stream_above };
             let outcome = fit_experiment_in_stretches(&experiment, because, &progress)
@@ -122,9 +120,6 @@ impl Run {
 }
 
 /// Fills `folder` with what was found of drives and reports it.
-///
-/// # Errors
-/// If a file cannot be written.
 pub fn write_drives(command: &str, outcome: DriveOutcome, folder: &OutputFolder) -> Result<Report, Failure> {
     let DriveOutcome { text, mut json, files, findings } = outcome;
     let mut outputs = Outputs::default();
@@ -137,18 +132,12 @@ pub fn write_drives(command: &str, outcome: DriveOutcome, folder: &OutputFolder)
 }
 
 /// Does what an experiment says, under a bar of its steps.
-///
-/// # Errors
-/// As [`fit_experiment`].
 pub fn fit_experiment_watched(experiment: &Experiment, terminal: &Terminal) -> Result<Outcome, Failure> {
     let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
     fit_experiment(experiment, &terminal.progress(3 * count + 2))
 }
 
 /// Fills `folder` with results and reports them.
-///
-/// # Errors
-/// If a file cannot be written; then the folder is as it was.
 pub fn write_results(
     command: &str,
     experiment: &Experiment,

@@ -126,11 +126,11 @@ impl Sensitivity {
             return Ok((0..available).collect());
         }
         if let Some(joint) = self.joints.iter().find(|j| **j >= available) {
-            return Err(Failure::Argument {
-                option: "--joints",
-                reason: format!("there is no joint {joint}"),
-                remedy: format!("joints count from 0; the robot has {available}: 0 to {}", available - 1),
-            });
+            return Err(Failure::argument(
+                "--joints",
+                format!("there is no joint {joint}"),
+                format!("joints count from 0; the robot has {available}: 0 to {}", available - 1),
+            ));
         }
         let mut joints = self.joints.clone();
         joints.sort_unstable();

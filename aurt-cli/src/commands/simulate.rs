@@ -51,16 +51,15 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Simulates.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         match (&self.model, &self.scenario) {
             (_, Some(scenario)) => self.scenario(scenario, session),
             (Some(model), None) => self.model(model, session),
-            (None, None) => Err(Failure::Argument {
-                option: "--model",
-                reason: "there is nothing to simulate".into(),
-                remedy: "name a calibrated model, or a scenario with --scenario".into(),
-            }),
+            (None, None) => Err(Failure::argument(
+                "--model",
+                "there is nothing to simulate",
+                "name a calibrated model, or a scenario with --scenario",
+            )),
         }
     }
 
@@ -101,11 +100,11 @@ impl Simulate {
             (Some(file), _) => (file, false),
             (None, Some(file)) => (file, true),
             (None, None) => {
-                return Err(Failure::Argument {
-                    option: "--model",
-                    reason: "nothing is said of what moves it".into(),
-                    remedy: "name a motion with --motion, or a recording with --torques".into(),
-                });
+                return Err(Failure::argument(
+                    "--model",
+                    "nothing is said of what moves it",
+                    "name a motion with --motion, or a recording with --torques",
+                ));
             }
         };
         let out = OutputFile::new("--out", &self.out, &[path, file])?;

@@ -64,17 +64,16 @@ pub struct Track {
 }
 
 impl Track {
-    /// Tracks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         if self.window_s < SHORTEST_WINDOW_S {
-            return Err(Failure::Argument {
-                option: "--window-s",
-                reason: format!("{} s is too short to tell friction, gain and load apart", self.window_s),
-                remedy: format!("choose {SHORTEST_WINDOW_S} s or more"),
-            });
+            return Err(Failure::argument(
+                "--window-s",
+                format!("{} s is too short to tell friction, gain and load apart", self.window_s),
+                format!("choose {SHORTEST_WINDOW_S} s or more"),
+            ));
         }
         let recordings: Vec<Followed> =
             recordings_of(&self.recordings)?.into_iter().map(Followed::File).collect();

@@ -24,10 +24,12 @@ pub struct TrustLibraries {
 impl TrustLibraries {
     /// Adds to the list, or shows it.
     pub fn run(&self) -> Result<Report, Failure> {
-        let list = Trust::list().ok_or_else(|| Failure::Argument {
-            option: "trust",
-            reason: "there is no folder for the list: neither XDG_CONFIG_HOME nor HOME is set".to_owned(),
-            remedy: "name a file in AURT_TRUST_FILE".to_owned(),
+        let list = Trust::list().ok_or_else(|| {
+            Failure::argument(
+                "trust",
+                "there is no folder for the list: neither XDG_CONFIG_HOME nor HOME is set",
+                "name a file in AURT_TRUST_FILE",
+            )
         })?;
         let mut text = String::new();
         for library in &self.libraries {

@@ -18,9 +18,7 @@ const LONGEST_LINE: u64 = 1 << 22;
 /// A piece of a text file with a part of it to be underlined.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Excerpt {
-    /// The file.
     pub name: String,
-    /// The piece.
     pub text: String,
     /// Line of the file on which the piece begins, from 1.
     pub first_line: usize,

@@ -3,11 +3,10 @@
 use std::{
     fmt,
     io::ErrorKind,
-    ops::Range,
     path::{Path, PathBuf},
 };
 
-use aurt::Error;
+use aurt::Error as LibraryError;
 use aurt_experiment::workbench::failure::Failure;
 use aurt_files::harmless;
 use aurt_plugins::model::Error as ModelError;
@@ -16,10 +15,11 @@ use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
 use miette::{
-    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents,
-    SourceCode, SourceSpan, SpanContents,
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteError, MietteSpanContents, SourceCode,
+    SourceSpan, SpanContents,
 };
 use serde_json::{Value, json};
+use thiserror::Error;
 
 use super::excerpt::Excerpt;
 
@@ -27,14 +27,19 @@ use super::excerpt::Excerpt;
 const WIDTH: usize = 96;
 
 /// One thing that is wrong.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Error, Diagnostic)]
+#[error("{message}")]
 struct Problem {
     message: String,
+    #[help]
     help: Option<String>,
     path: Option<PathBuf>,
     line: Option<usize>,
     column: Option<usize>,
+    #[source_code]
     excerpt: Option<Excerpt>,
+    #[label(primary)]
+    underlined: Option<SourceSpan>,
 }
 
 impl Problem {
@@ -42,15 +47,22 @@ impl Problem {
         Self { message: message.to_string(), ..Self::default() }
     }
 
+    fn of_file(message: impl fmt::Display, path: &Path) -> Self {
+        Self { path: Some(path.to_owned()), ..Self::plain(message) }
+    }
+
     /// At a cell, or, without `cell`, a whole line of a text file.
-    fn in_file(message: impl fmt::Display, path: &Path, line: usize, cell: Option<usize>) -> Self {
+    fn of_line(message: impl fmt::Display, path: &Path, line: usize, cell: Option<usize>) -> Self {
+        let excerpt = Excerpt::of_line(path, line, cell);
+        Self { line: Some(line), column: cell, excerpt, ..Self::of_file(message, path) }
+    }
+
+    fn of_place(reason: &str, path: &Path, line: usize, column: usize) -> Self {
         Self {
-            message: message.to_string(),
-            path: Some(path.to_owned()),
             line: Some(line),
-            column: cell,
-            excerpt: Excerpt::of_line(path, line, cell),
-            help: None,
+            column: Some(column),
+            excerpt: Excerpt::of_place(path, line, column),
+            ..Self::of_file(format!("{}:{line}:{column}: {reason}", path.display()), path)
         }
     }
 }
@@ -75,7 +87,6 @@ pub fn render(failure: &Failure, coloured: bool) -> String {
     text
 }
 
-/// What is wrong, as JSON.
 pub fn to_json(failure: &Failure) -> Value {
     problems_to_json(problems(failure))
 }
@@ -124,6 +135,7 @@ fn problems(failure: &Failure) -> Vec<Problem> {
             let excerpt = excerpt.harmless();
             Excerpt { name: shown(&excerpt.name), ..excerpt }
         });
+        problem.underlined = problem.excerpt.as_ref().map(|excerpt| excerpt.span.clone().into());
     }
     problems
 }
@@ -137,33 +149,31 @@ fn found(failure: &Failure) -> Vec<Problem> {
             .problems
             .iter()
             .map(|p| Problem {
-                message: p.message.clone(),
                 help: p.help.clone(),
-                path: Some(errors.path.clone()),
                 line: Some(p.line),
                 column: Some(p.column),
                 excerpt: Some(Excerpt::of_text(&errors.path, &errors.source_text, p.span.clone())),
+                ..Problem::of_file(&p.message, &errors.path)
             })
             .collect(),
         Failure::Library(error) => library(error),
         Failure::NotFinite { path, .. } | Failure::Output { path, .. } => {
-            vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
+            vec![Problem::of_file(failure, path)]
         }
         Failure::Table { path, line: Some(line), cell, .. } => {
-            vec![Problem::in_file(failure, path, *line, *cell)]
+            vec![Problem::of_line(failure, path, *line, *cell)]
         }
         Failure::Table { path, line: None, .. } | Failure::Simulated { path, .. } => {
-            vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
+            vec![Problem::of_file(failure, path)]
         }
         Failure::In { path, failure } => found(failure)
             .into_iter()
             .map(|problem| match &problem.path {
                 Some(_) => problem,
-                None => Problem {
-                    message: format!("{}: {}", path.display(), problem.message),
-                    path: Some(path.clone()),
-                    ..problem
-                },
+                None => {
+                    let message = format!("{}: {}", path.display(), problem.message);
+                    Problem { message, path: Some(path.clone()), ..problem }
+                }
             })
             .collect(),
         Failure::Stretches { path, reason, remedy } => {
@@ -173,13 +183,13 @@ fn found(failure: &Failure) -> Vec<Problem> {
     }
 }
 
-fn library(error: &Error) -> Vec<Problem> {
+fn library(error: &LibraryError) -> Vec<Problem> {
     match error {
-        Error::Model(error) => model(error),
-        Error::Recording(error) => vec![recording(error)],
-        Error::Simulation(error) => simulation(error),
-        Error::Unfit { path, .. } | Error::Write { path, .. } => {
-            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+        LibraryError::Model(error) => model(error),
+        LibraryError::Recording(error) => vec![recording(error)],
+        LibraryError::Simulation(error) => simulation(error),
+        LibraryError::Unfit { path, .. } | LibraryError::Write { path, .. } => {
+            vec![Problem::of_file(error, path)]
         }
         other => vec![Problem::plain(other)],
     }
@@ -192,14 +202,9 @@ fn model(error: &ModelError) -> Vec<Problem> {
         }
         ModelError::Mdh(errors) => errors.0.iter().map(mdh).collect(),
         ModelError::Assembly(errors) => errors.iter().map(Problem::plain).collect(),
-        ModelError::ModelFile { path, line, column, reason, help } => vec![Problem {
-            message: format!("{}:{line}:{column}: {reason}", path.display()),
-            help: help.clone(),
-            path: Some(path.clone()),
-            line: Some(*line),
-            column: Some(*column),
-            excerpt: Excerpt::of_place(path, *line, *column),
-        }],
+        ModelError::ModelFile { path, line, column, reason, help } => {
+            vec![Problem { help: help.clone(), ..Problem::of_place(reason, path, *line, *column) }]
+        }
         ModelError::Read { path, source } if source.kind() == ErrorKind::NotFound => vec![missing(path)],
         ModelError::Plugins(plugins) => {
             let path = match &**plugins {
@@ -209,7 +214,7 @@ fn model(error: &ModelError) -> Vec<Problem> {
             vec![Problem { path, ..Problem::plain(error) }]
         }
         ModelError::Read { path, .. } | ModelError::Write { path, .. } => {
-            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+            vec![Problem::of_file(error, path)]
         }
         other => vec![Problem::plain(other)],
     }
@@ -217,17 +222,12 @@ fn model(error: &ModelError) -> Vec<Problem> {
 
 fn simulation(error: &SimulationError) -> Vec<Problem> {
     match error {
-        SimulationError::Syntax { path, line, column, reason } => vec![Problem {
-            message: format!("{}:{line}:{column}: {reason}", path.display()),
-            path: Some(path.clone()),
-            line: Some(*line),
-            column: Some(*column),
-            excerpt: Excerpt::of_place(path, *line, *column),
-            help: None,
-        }],
+        SimulationError::Syntax { path, line, column, reason } => {
+            vec![Problem::of_place(reason, path, *line, *column)]
+        }
         SimulationError::Unreadable { path, .. } if !path.is_file() => vec![Problem::plain(error)],
         SimulationError::Io { path, .. } | SimulationError::Unreadable { path, .. } => {
-            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+            vec![Problem::of_file(error, path)]
         }
         SimulationError::Several(errors) => errors.iter().map(Problem::plain).collect(),
         other => vec![Problem::plain(other)],
@@ -263,11 +263,8 @@ fn missing(path: &Path) -> Problem {
         known.truncate(MOST_KNOWN);
         format!("that folder has {}; check the path{what}", known.join(", "))
     };
-    Problem {
-        path: Some(path.to_owned()),
-        help: Some(help),
-        ..Problem::plain(format!("{}: there is no such file in {}", path.display(), shown.display()))
-    }
+    let message = format!("{}: there is no such file in {}", path.display(), shown.display());
+    Problem { help: Some(help), ..Problem::of_file(message, path) }
 }
 
 /// The file of the same extension whose name is close: what all of them end in makes none closer.
@@ -286,15 +283,13 @@ fn mdh(error: &MdhError) -> Problem {
         MdhError::Cell { path, line, column_number, .. }
         | MdhError::UnknownColumn { path, line, column_number, .. }
         | MdhError::DuplicateColumn { path, line, column_number, .. } => {
-            Problem::in_file(error, path, *line, Some(*column_number))
+            Problem::of_line(error, path, *line, Some(*column_number))
         }
         MdhError::TooManyRows { path, line, .. }
         | MdhError::MissingHeader { path, line, .. }
         | MdhError::MissingColumn { path, line, .. }
-        | MdhError::CellCount { path, line, .. } => Problem::in_file(error, path, *line, None),
-        MdhError::Unreadable { path, .. } | MdhError::Empty { path, .. } => {
-            Problem { path: Some(path.clone()), ..Problem::plain(error) }
-        }
+        | MdhError::CellCount { path, line, .. } => Problem::of_line(error, path, *line, None),
+        MdhError::Unreadable { path, .. } | MdhError::Empty { path, .. } => Problem::of_file(error, path),
         other => Problem::plain(other),
     }
 }
@@ -305,43 +300,17 @@ fn recording(error: &RecordingError) -> Problem {
         RecordingError::CorruptRows { path, column: 0, .. }
         | RecordingError::Headerless { path, line: 0, .. }
         | RecordingError::MissingColumn { path, line: 0, .. }
-        | RecordingError::Columns { path, line: 0, .. } => {
-            Problem { path: Some(path.clone()), ..Problem::plain(error) }
-        }
+        | RecordingError::Columns { path, line: 0, .. } => Problem::of_file(error, path),
         RecordingError::Cell { path, line, column, .. }
         | RecordingError::CorruptRows { path, line, column, .. } => {
-            Problem::in_file(error, path, *line, Some(*column))
+            Problem::of_line(error, path, *line, Some(*column))
         }
         RecordingError::Headerless { path, line, .. }
         | RecordingError::MissingColumn { path, line, .. }
         | RecordingError::Columns { path, line, .. }
         | RecordingError::Ragged { path, line, .. }
-        | RecordingError::TruncatedLastLine { path, line, .. } => Problem::in_file(error, path, *line, None),
+        | RecordingError::TruncatedLastLine { path, line, .. } => Problem::of_line(error, path, *line, None),
         other => Problem::plain(other),
-    }
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for Problem {}
-
-impl Diagnostic for Problem {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|h| Box::new(h) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.excerpt.as_ref().map(|e| e as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let excerpt = self.excerpt.as_ref()?;
-        let Range { start, end } = excerpt.span.clone();
-        Some(Box::new(std::iter::once(LabeledSpan::new_primary_with_span(None, (start, end - start)))))
     }
 }
 

@@ -22,9 +22,7 @@ use super::{problem, progress};
 /// What a command has to say when it is done.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
-    /// For people.
     pub text: String,
-    /// For programs.
     pub json: Value,
     /// Whether the command is a check that found something.
     pub findings: bool,
@@ -150,7 +148,6 @@ pub fn print_error(text: &str) {
     let _ = write_unless_closed(&mut io::stderr().lock(), &harmless(text));
 }
 
-/// Whether a person can be asked.
 pub fn can_ask() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }

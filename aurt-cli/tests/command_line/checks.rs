@@ -175,7 +175,6 @@ fn stamps_in_milliseconds_are_told_with_the_fix() {
     assert!(folder.read("first.toml").contains("time = \"ms\""));
 }
 
-/// What was repaired while reading is a remark.
 #[test]
 fn remarks_are_no_findings() {
     let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);

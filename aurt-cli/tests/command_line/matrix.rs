@@ -94,7 +94,6 @@ enum Written {
     Plain,
     /// Text with the joints in another order, and one that is not the robot's.
     Permuted,
-    /// The same as a bag.
     Bag,
     /// Angles in degrees, as the names say; the experiment says so too.
     Degrees,

@@ -11,7 +11,6 @@ const MODEL: [&str; 2] = ["--model", "results/rd_calibrated.json"];
 /// A joint of a bag: its name, and which of the arm's two joints it is; another one rests.
 pub type BagJoint = (&'static str, Option<usize>);
 
-/// A bag with these joints of a recording.
 fn write_bag(folder: &Folder, name: &str, recording: &Recording, joints: &[BagJoint]) {
     let rest = vec![0.0; recording.time_s.len()];
     let series = |family: &[Vec<f64>]| -> Vec<Vec<f64>> {

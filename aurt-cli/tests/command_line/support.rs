@@ -164,7 +164,6 @@ pub fn with_cell(line: &str, number: usize, cell: &str) -> String {
     cells.join(",")
 }
 
-/// A finished run.
 pub struct Run(Output);
 
 impl Run {

@@ -32,7 +32,6 @@ const SCENARIO: &str = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi
 const PLAN: &str = "[recordings]\n[nulls]\nrobots = [\"two_link\"]\ncount = 0\n";
 const LIMITS: &str = "lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n-3,3,1,3\n-3,3,1,3\n";
 
-/// The files.
 pub struct Bench {
     folder: TempDir,
 }

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-/// The program.
 pub fn program() -> &'static Path {
     aurt()
 }

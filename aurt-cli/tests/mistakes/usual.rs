@@ -4,7 +4,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::world::World;
 
-/// A mistake of a user.
 pub struct Mistake {
     pub what: &'static str,
     pub make: fn(&mut World),
@@ -35,50 +34,32 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 pub const MISTAKES: &[Mistake] = &[
     everywhere(
         "positions in degrees",
-        |w| {
-            let columns = w.positions();
-            w.each(|l| l.scale(columns.clone(), DEGREES));
-        },
+        |w| w.each(|l| l.scale(l.positions(), DEGREES)),
         &[&["angle = \"deg\""]],
     ),
     mistake(
         "positions in degrees in one calibration file",
-        |w| {
-            let columns = w.positions();
-            w.logs[1].scale(columns, DEGREES);
-        },
+        |w| w.only(1, |l| l.scale(l.positions(), DEGREES)),
         &[&["tuesday.csv", "angle = \"deg\""]],
     ),
     mistake(
         "positions in degrees in the held-out file",
-        |w| {
-            let columns = w.positions();
-            w.logs[2].scale(columns, DEGREES);
-        },
+        |w| w.only(2, |l| l.scale(l.positions(), DEGREES)),
         &[&["friday.csv", "angle = \"deg\""]],
     ),
     mistake(
         "positions in turns",
-        |w| {
-            let columns = w.positions();
-            w.each(|l| l.scale(columns.clone(), 1.0 / TAU));
-        },
+        |w| w.each(|l| l.scale(l.positions(), 1.0 / TAU)),
         &[&["counts_per_revolution"]],
     ),
     mistake(
         "positions in encoder counts",
-        |w| {
-            let columns = w.positions();
-            w.each(|l| l.scale(columns.clone(), 4096.0 / TAU));
-        },
+        |w| w.each(|l| l.scale(l.positions(), 4096.0 / TAU)),
         &[&["counts_per_revolution"]],
     ),
     mistake(
         "positions of the motors, gears of 100",
-        |w| {
-            let columns = w.positions();
-            w.each(|l| l.scale(columns.clone(), 100.0));
-        },
+        |w| w.each(|l| l.scale(l.positions(), 100.0)),
         &[&["gear_ratio"]],
     ),
     mistake(
@@ -88,18 +69,15 @@ pub const MISTAKES: &[Mistake] = &[
     ),
     mistake(
         "velocities in degrees per second",
-        |w| {
-            let columns: Vec<usize> = (0..w.joints()).filter_map(|j| w.logs[0].velocity(j)).collect();
-            w.each(|l| l.scale(columns.clone(), DEGREES));
-        },
+        |w| w.each(|l| l.scale(l.velocities(), DEGREES)),
         &[&["logged velocity", "57.3"]],
     ),
-    everywhere("time in ms", |w| w.each(|l| l.scale([0], 1e3)), &[&["time = \"ms\""]]),
-    mistake("time in µs", |w| w.each(|l| l.scale([0], 1e6)), &[&["time = \"us\""]]),
-    mistake("time in ns", |w| w.each(|l| l.scale([0], 1e9)), &[&["time = \"ns\""]]),
+    everywhere("time in ms", |w| w.each(|l| l.scale(0..1, 1e3)), &[&["time = \"ms\""]]),
+    mistake("time in µs", |w| w.each(|l| l.scale(0..1, 1e6)), &[&["time = \"us\""]]),
+    mistake("time in ns", |w| w.each(|l| l.scale(0..1, 1e9)), &[&["time = \"ns\""]]),
     mistake(
         "time in ms in the held-out file",
-        |w| w.logs[2].scale([0], 1e3),
+        |w| w.only(2, |l| l.scale(0..1, 1e3)),
         &[&["friday.csv", "time = \"ms\""]],
     ),
     mistake("`time = \"ms\"` for stamps in s", |w| w.recorded.push("time = \"ms\"".into()), &[&["time"]]),
@@ -110,10 +88,7 @@ pub const MISTAKES: &[Mistake] = &[
     ),
     everywhere(
         "currents in mA",
-        |w| {
-            let columns = w.measurements();
-            w.each(|l| l.scale(columns.clone(), 1e3));
-        },
+        |w| w.each(|l| l.scale(l.measurements(), 1e3)),
         &[&["current = \"mA\""], &["Nmm"]],
     ),
     mistake(
@@ -177,18 +152,12 @@ pub const MISTAKES: &[Mistake] = &[
     mistake("a row of the table too many", |w| w.table.push(vec!["0".into(); 3]), &[&["joint"]]),
     mistake(
         "zero of joint 1 a quarter turn off",
-        |w| {
-            let column = w.logs[0].position(1);
-            w.each(|l| l.add(column, FRAC_PI_2));
-        },
+        |w| w.each(|l| l.add(l.position(1), FRAC_PI_2)),
         &[&["theta", "row 1"]],
     ),
     mistake(
         "zero of joint 2 a quarter turn off",
-        |w| {
-            let column = w.logs[0].position(2);
-            w.each(|l| l.add(column, -FRAC_PI_2));
-        },
+        |w| w.each(|l| l.add(l.position(2), -FRAC_PI_2)),
         &[&["theta", "row 2"]],
     ),
     everywhere("position of joint 1 with the other sign", |w| position_sign(w, 1), &[&["joint 1", "sign"]]),
@@ -221,10 +190,7 @@ pub const MISTAKES: &[Mistake] = &[
     ),
     everywhere(
         "all measurements with the other sign",
-        |w| {
-            let columns = w.measurements();
-            w.each(|l| l.scale(columns.clone(), -1.0));
-        },
+        |w| w.each(|l| l.scale(l.measurements(), -1.0)),
         &[&["gains of -1 for all joints"], &["check the signs"]],
     ),
     mistake(
@@ -239,8 +205,7 @@ pub const MISTAKES: &[Mistake] = &[
         "degrees and gravity upside down",
         |w| {
             w.gravity("[0.0, 0.0, 9.81]");
-            let columns = w.positions();
-            w.each(|l| l.scale(columns.clone(), DEGREES));
+            w.each(|l| l.scale(l.positions(), DEGREES));
         },
         &[&["angle = \"deg\""]],
     ),
@@ -313,65 +278,45 @@ pub const MISTAKES: &[Mistake] = &[
         |w| select(w, "[7, 12]", "[13, 18]"),
         &[&["columns"], &["same robot"]],
     ),
-    everywhere(
-        "measurements 200 ms late",
-        |w| w.each(|l| l.delay(rows_of(l.rows.as_slice(), 0.2))),
-        &[&["delay_s"]],
-    ),
+    everywhere("measurements 200 ms late", |w| w.each(|l| l.delay(0.2)), &[&["delay_s"]]),
     everywhere(
         "sign of a measurement from the middle of one calibration file on",
         |w| {
-            let (column, half) = (w.logs[1].measurement(1), w.logs[1].rows.len() / 2);
-            w.logs[1].rows[half..].iter_mut().for_each(|row| row[column] *= -1.0);
+            w.only(1, |l| {
+                let (column, half) = (l.measurement(1), l.rows.len() / 2);
+                l.rows[half..].iter_mut().for_each(|row| row[column] *= -1.0);
+            });
         },
         &[&["joint 1", "tuesday.csv", "after its first stamp on", "sign"]],
     ),
     mistake(
         "two measurements exchanged in one calibration file",
-        |w| {
-            let first = w.logs[1].measurement(1);
-            w.logs[1].reorder(first, &[1, 0]);
-        },
+        |w| w.only(1, |l| l.reorder(l.measurement(1), &[1, 0])),
         &[&["tuesday.csv", "joints 1 and 2 exchanged"]],
     ),
     mistake(
         "measurements 200 ms late in one file",
-        |w| {
-            let rows = rows_of(&w.logs[1].rows, 0.2);
-            w.logs[1].delay(rows);
-        },
+        |w| w.only(1, |l| l.delay(0.2)),
         &[&["tuesday.csv", "delay_s"]],
     ),
     mistake(
         "position of joint 3 constantly zero",
-        |w| {
-            let column = w.logs[0].position(3);
-            w.each(|l| l.fill(column, 0.0));
-        },
+        |w| w.each(|l| l.fill(l.position(3), 0.0)),
         &[&["joint 3", "position column"]],
     ),
     mistake(
         "measurement of joint 3 constantly zero",
-        |w| {
-            let column = w.logs[0].measurement(3);
-            w.each(|l| l.fill(column, 0.0));
-        },
+        |w| w.each(|l| l.fill(l.measurement(3), 0.0)),
         &[&["joint 3", "constantly 0", "columns"]],
     ),
     mistake(
         "measurement of joint 2 a copy of joint 1",
-        |w| {
-            let (of, at) = (w.logs[0].measurement(1), w.logs[0].measurement(2));
-            w.each(|l| l.repeat(of, at));
-        },
+        |w| w.each(|l| l.repeat(l.measurement(1), l.measurement(2))),
         &[&["joints 1 and 2 are the same column"]],
     ),
     mistake(
         "position of joint 2 a copy of joint 1",
-        |w| {
-            let (of, at) = (w.logs[0].position(1), w.logs[0].position(2));
-            w.each(|l| l.repeat(of, at));
-        },
+        |w| w.each(|l| l.repeat(l.position(1), l.position(2))),
         &[&["joints 1 and 2 are the same column"]],
     ),
     everywhere(
@@ -423,12 +368,8 @@ pub const MISTAKES: &[Mistake] = &[
         |w| {
             w.each(|l| {
                 let first = l.rows[0].clone();
-                for row in &mut l.rows {
-                    let time = row[0];
-                    row.copy_from_slice(&first);
-                    row[0] = time;
-                }
-            })
+                l.rows.iter_mut().for_each(|row| row[1..].copy_from_slice(&first[1..]));
+            });
         },
         &[&["joint", "mov"], &["rest"]],
     ),
@@ -460,26 +401,25 @@ fn lengths(world: &mut World, factor: f64) {
 }
 
 fn position_sign(world: &mut World, joint: usize) {
-    let log = &world.logs[0];
-    let columns: Vec<usize> =
-        [Some(log.position(joint)), log.velocity(joint)].into_iter().flatten().collect();
-    world.each(|l| l.scale(columns.clone(), -1.0));
+    world.each(|l| {
+        l.scale(l.position(joint)..l.position(joint) + 1, -1.0);
+        l.scale(l.velocities().skip(joint).take(1), -1.0);
+    });
 }
 
 fn measurement_sign(world: &mut World, joint: usize) {
-    let column = world.logs[0].measurement(joint);
-    world.each(|l| l.scale([column], -1.0));
+    world.each(|l| l.scale(l.measurement(joint)..l.measurement(joint) + 1, -1.0));
 }
 
 /// Columns in another order: positions with their velocities, or measurements.
 fn reorder(world: &mut World, motion: bool, from: &[usize]) {
-    let log = &world.logs[0];
-    let firsts: Vec<usize> = if motion {
-        [Some(log.position(0)), log.velocity(0)].into_iter().flatten().collect()
-    } else {
-        vec![log.measurement(0)]
-    };
-    world.each(|l| firsts.iter().for_each(|first| l.reorder(*first, from)));
+    world.each(|l| {
+        if !motion {
+            return l.reorder(l.measurement(0), from);
+        }
+        l.reorder(l.position(0), from);
+        l.velocities().take(1).for_each(|first| l.reorder(first, from));
+    });
 }
 
 fn select(world: &mut World, position: &str, measurement: &str) {
@@ -491,9 +431,4 @@ fn select(world: &mut World, position: &str, measurement: &str) {
     };
     world.calibration = format!("[{}, {}]", entry("monday.csv"), entry("tuesday.csv"));
     world.validation = format!("[{}]", entry("friday.csv"));
-}
-
-fn rows_of(rows: &[Vec<f64>], time_s: f64) -> usize {
-    let period_s = (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
-    (time_s / period_s).round() as usize
 }

@@ -1,6 +1,6 @@
 //! A robot with three recordings and an experiment on them, and how mistakes get into these.
 
-use std::{fs, path::Path};
+use std::{fs, ops::Range, path::Path};
 
 /// A recording as a table of numbers.
 #[derive(Debug, Clone)]
@@ -50,8 +50,16 @@ impl Log {
         1 + joint
     }
 
-    pub fn velocity(&self, joint: usize) -> Option<usize> {
-        (self.header.len() > 1 + 2 * self.joints).then_some(1 + self.joints + joint)
+    pub fn positions(&self) -> Range<usize> {
+        1..1 + self.joints
+    }
+
+    pub fn velocities(&self) -> Range<usize> {
+        1 + self.joints..self.measurement(0).min(1 + 2 * self.joints)
+    }
+
+    pub fn measurements(&self) -> Range<usize> {
+        self.measurement(0)..self.header.len()
     }
 
     pub fn measurement(&self, joint: usize) -> usize {
@@ -84,8 +92,10 @@ impl Log {
         self.rows.iter_mut().for_each(|r| r[at] = r[of]);
     }
 
-    /// Measurements come so many rows late.
-    pub fn delay(&mut self, rows: usize) {
+    /// Measurements come so much late.
+    pub fn delay(&mut self, time_s: f64) {
+        let last = self.rows.len() - 1;
+        let rows = (time_s * last as f64 / (self.rows[last][0] - self.rows[0][0])).round() as usize;
         let first = self.measurement(0);
         let before = self.rows.clone();
         for (k, row) in self.rows.iter_mut().enumerate() {
@@ -110,16 +120,8 @@ impl World {
         self.logs.iter_mut().for_each(change);
     }
 
-    pub fn positions(&self) -> std::ops::Range<usize> {
-        1..1 + self.joints()
-    }
-
-    pub fn measurements(&self) -> std::ops::Range<usize> {
-        self.logs[0].measurement(0)..self.logs[0].header.len()
-    }
-
-    pub fn joints(&self) -> usize {
-        self.logs[0].joints
+    pub fn only(&mut self, log: usize, change: impl Fn(&mut Log)) {
+        change(&mut self.logs[log]);
     }
 
     pub fn gravity(&mut self, g: &str) {
@@ -131,7 +133,6 @@ impl World {
         self.robot.push(format!("{key} = {value}"));
     }
 
-    /// Columns of the table by name.
     pub fn column(&mut self, name: &str, change: impl Fn(&str) -> String) {
         let at = self.table[0].iter().position(|n| n == name).unwrap();
         for row in &mut self.table[1..] {

@@ -38,38 +38,29 @@ use crate::doctor::{
 const DEFAULT_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 
-/// What is known of the robot.
 #[derive(Debug, Clone, Copy)]
 pub enum Known<'a> {
-    /// Nothing.
     Nothing,
     /// A table, and the gravitational acceleration in its base frame, m/s².
     Table(&'a MdhTable, [f64; 3]),
-    /// Its rigid bodies.
     Bodies(&'a Arc<dyn RigidBodyRegressor>),
-    /// An experiment.
     Experiment(&'a Experiment),
 }
 
 /// A recording that is to be checked.
 #[derive(Debug, Clone)]
 pub enum Given {
-    /// A file.
     File(Box<Source>),
-    /// A recording in memory.
     Recording(Arc<Recording>),
 }
 
-/// What is to be checked.
 #[derive(Debug)]
 pub struct Question<'a> {
-    /// The robot.
     pub robot: Known<'a>,
     /// Recordings to be calibrated on together; those of an experiment are checked beside them.
     pub recordings: Vec<Given>,
     /// Highest frequency of the robot's dynamics, Hz, if it is asked for.
     pub f_dyn_hz: Option<f64>,
-    /// The models that can be named.
     pub registry: &'a Registry,
 }
 
@@ -86,9 +77,6 @@ pub struct Checkup {
 }
 
 /// Checks recordings, and the setup if the robot is known.
-///
-/// # Errors
-/// What is wrong with a file, joints that are not the robot's, and what makes a recording unfit.
 pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
     let Question { robot, recordings, f_dyn_hz, registry } = question;
     let rigid_body = match robot {
@@ -173,20 +161,17 @@ fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
 
 impl Checkup {
     /// Whether something should be heeded.
-    #[must_use]
     pub fn has_findings(&self) -> bool {
         let setup = self.examination.as_ref();
         !self.of_recordings().is_empty() || setup.is_some_and(|e| e.is_serious() || e.hardly().is_some())
     }
 
     /// Whether stamps were read in another unit than the experiment says.
-    #[must_use]
     pub fn has_other_stamps(&self) -> bool {
         self.alone.iter().any(|seen| seen.one.stamps.is_some())
     }
 
     /// What should be heeded, in sentences.
-    #[must_use]
     pub fn findings(&self) -> Vec<String> {
         let mut findings = self.of_recordings();
         findings.extend(self.examination.iter().flat_map(Examination::sentences));
@@ -212,7 +197,6 @@ impl Checkup {
     }
 
     /// The f_dyn that suits all motions, Hz: the fastest motion and the slowest clock decide.
-    #[must_use]
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
         if let [only] = self.alone.as_slice() {
             return only.one.suitable_f_dyn_hz();
@@ -222,8 +206,6 @@ impl Checkup {
         suitable_f_dyn_hz(self.alone.iter().flat_map(|s| &s.one.joints), slowest_hz)
     }
 
-    /// For people.
-    #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let (mut text, several) = (String::new(), self.alone.len() > 1);
         for seen in &self.alone {
@@ -266,8 +248,6 @@ impl Checkup {
         format!("\n{heading}\n{lines}")
     }
 
-    /// For programs.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         let mut json = if let [only] = self.alone.as_slice() {
             only.one.to_json(only.judged.as_ref(), &only.findings())
@@ -290,7 +270,6 @@ impl Checkup {
     }
 
     /// A page for each recording, with a name that no other has.
-    #[must_use]
     pub fn pages(&self) -> Vec<(String, Page)> {
         let mut taken: Vec<String> = Vec::new();
         for seen in &self.alone {

@@ -43,7 +43,6 @@ pub struct Known {
     pub mdh_rows: Option<MdhRows>,
     /// The link of a robot description that its chain starts from.
     pub base: Option<String>,
-    /// Which of its joints.
     pub part: Part,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
@@ -53,10 +52,8 @@ pub struct Known {
     pub recordings: Vec<(Source, Option<Role>)>,
 }
 
-/// An experiment that was drafted.
 #[derive(Debug)]
 pub struct Draft {
-    /// Its text.
     pub text: String,
     /// Choices that were made, in sentences.
     pub guesses: Vec<String>,
@@ -71,7 +68,6 @@ struct Arm {
     is_table: bool,
 }
 
-/// A recording that was looked at.
 struct Looked {
     inspected: Inspected,
     unit_was_guessed: bool,
@@ -80,9 +76,6 @@ struct Looked {
 }
 
 /// Drafts an experiment that is to lie at `path`, and corrects it where the recordings say that it is wrong.
-///
-/// # Errors
-/// What is wrong with the robot's file or a recording.
 pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draft, Failure> {
     let arm = arm(known, path)?;
     let mut guesses = Vec::new();
@@ -138,21 +131,21 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
         let meant = aurt_rbd::robots::probably_meant(robot)
             .map(|n| format!("did you mean {n}? "))
             .unwrap_or_default();
-        return Err(Failure::Argument {
-            option: "--robot",
-            reason: format!("{robot} is neither a robot known by name nor a file"),
-            remedy: format!(
+        return Err(Failure::argument(
+            "--robot",
+            format!("{robot} is neither a robot known by name nor a file"),
+            format!(
                 "{meant}`aurt robots` lists the names; else give a .urdf, an MJCF file or a table of MDH parameters"
             ),
-        });
+        ));
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
         let described = aurt_rbd::robots::read_part(file, known.base.as_deref(), &known.part)
-            .map_err(|errors| Failure::Argument {
-                option: "--robot",
-                reason: errors.to_string(),
-                remedy: "choose the ends of a chain with `--base` and `--tip`, those of several with `--tips`, or correct the file".into(),
+            .map_err(|errors| {
+                let remedy = "choose the ends of a chain with `--base` and `--tip`, those of several with `--tips`, or correct \
+                              the file";
+                Failure::argument("--robot", errors.to_string(), remedy)
             })?;
         let mut ends = match &known.part {
             _ if !described.tip.is_empty() => format!("tip = {}\n", quoted(&described.tip)),

@@ -25,34 +25,26 @@ pub struct Excited<'a> {
     pub combined: Vec<&'a str>,
     /// Out of reach.
     pub silent: Vec<&'a str>,
-    /// Condition number of what is determined.
     pub condition_number: f64,
 }
 
 /// A recording that was looked at.
 pub struct Checked<'a> {
-    /// What the user calls it.
     pub name: &'a str,
-    /// As it was read.
     pub recording: &'a Recording,
-    /// On its grid.
     pub prepared: &'a Preprocessed,
-    /// Joint by joint.
     pub joints: &'a [JointReport],
     /// Which parameters the motion determines, where the geometry is known.
     pub excited: Option<Excited<'a>>,
-    /// What should be heeded.
     pub findings: &'a [String],
     /// What was found while it was read and put on its grid.
     pub notes: &'a [String],
     /// The f_dyn that suits such motions, Hz.
     pub suitable_f_dyn_hz: Option<f64>,
-    /// The same for programs.
     pub document: &'a Value,
 }
 
 impl Checked<'_> {
-    /// The page.
     pub fn page(&self) -> Page {
         let mut sections = vec![self.series(), self.coverage(), self.tables()];
         if let Some(excited) = &self.excited {

@@ -18,7 +18,6 @@ pub struct RecordingColumns {
     pub measurement: Option<JointColumns>,
 }
 
-/// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ColumnName {
     /// By its place, from 0.
@@ -77,9 +76,6 @@ impl From<&JointColumns> for ColumnsRef {
 
 impl JointColumns {
     /// Columns by number: two are the first and the last, others one for each joint.
-    ///
-    /// # Errors
-    /// A first column after the last, and no numbers at all.
     pub fn numbered(key: &str, numbers: Vec<usize>) -> Result<Self, String> {
         match numbers[..] {
             [] => {
@@ -95,7 +91,6 @@ impl JointColumns {
     }
 
     /// Number of columns.
-    #[must_use]
     pub const fn count(&self) -> usize {
         match self {
             Self::Range { first, last } => *last + 1 - *first,

@@ -79,7 +79,6 @@ impl Drive {
     }
 }
 
-/// The drive of a name.
 fn model(section: &Section<'_, '_>, node: &Node) -> Option<Box<dyn DriveModel>> {
     let name = section.text_of("model", node)?;
     let built = serde_json::from_value::<Box<dyn DriveModel>>(json!({ "model": name }));

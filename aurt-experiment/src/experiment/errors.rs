@@ -29,7 +29,6 @@ pub struct Problem {
     pub line: usize,
     /// Its column in characters, from 1.
     pub column: usize,
-    /// What is wrong.
     pub message: String,
     /// What is known, what was probably meant, what to do.
     pub help: Option<String>,
@@ -71,16 +70,12 @@ impl ExperimentErrors {
 /// A problem before its line and column are counted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Complaint {
-    /// Where it is written.
     pub span: Span,
-    /// What is wrong.
     pub message: String,
-    /// What to do.
     pub help: Option<String>,
 }
 
 impl Complaint {
-    /// What is wrong at a place.
     pub fn new(span: impl Borrow<Span>, message: impl Into<String>) -> Self {
         Self { span: span.borrow().clone(), message: message.into(), help: None }
     }
@@ -91,8 +86,6 @@ impl Complaint {
         Self { help: Some(help.into()), ..self }
     }
 
-    /// The problem in a text.
-    #[must_use]
     pub fn located(self, text: &str) -> Problem {
         let before = text.get(..self.span.start).unwrap_or(text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);

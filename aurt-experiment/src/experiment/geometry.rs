@@ -16,19 +16,13 @@ pub enum Geometry {
         table: MdhTable,
     },
     /// `urdf` or `mjcf`, with `base` and one of `tip`, `tips` and `joints`: a chain or tree of a robot description file.
-    Urdf {
-        /// The file.
-        path: PathBuf,
-        /// The chain or tree.
-        robot: Box<DescribedRobot>,
-    },
+    Urdf { path: PathBuf, robot: Box<DescribedRobot> },
     /// `name`: a robot known by name.
     Known(Box<DescribedRobot>),
 }
 
 impl Geometry {
     /// The file that holds the geometry, if it is in one.
-    #[must_use]
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::Mdh { path, .. } | Self::Urdf { path, .. } => Some(path),
@@ -37,7 +31,6 @@ impl Geometry {
     }
 
     /// Values of all standard parameters, where a description states masses.
-    #[must_use]
     pub fn standard_parameters(&self) -> Option<&[f64]> {
         match self {
             Self::Mdh { .. } => None,
@@ -46,7 +39,6 @@ impl Geometry {
     }
 
     /// The joints' names, where a description states them.
-    #[must_use]
     pub fn joint_names(&self) -> &[String] {
         match self {
             Self::Mdh { .. } => &[],
@@ -55,7 +47,6 @@ impl Geometry {
     }
 
     /// Whether each joint slides: its positions are in m.
-    #[must_use]
     pub fn sliding(&self) -> Vec<bool> {
         match self {
             Self::Mdh { table, .. } => {
@@ -66,7 +57,6 @@ impl Geometry {
     }
 
     /// The joints beside the chain, where a description has some.
-    #[must_use]
     pub fn branches(&self) -> &[Branch] {
         match self {
             Self::Mdh { .. } => &[],
@@ -75,7 +65,6 @@ impl Geometry {
     }
 
     /// Number of links: one of each joint, those that follow others too.
-    #[must_use]
     pub fn links(&self) -> usize {
         match self {
             Self::Mdh { table, .. } => table.rows.len(),

@@ -52,7 +52,6 @@ pub const SCHEMA: i64 = 1;
 /// An experiment, checked: all its files exist, all its models are built, all its lists fit the robot.
 #[derive(Debug, Clone)]
 pub struct Experiment {
-    /// The file it was read from.
     pub path: PathBuf,
     /// The text of that file, as it was written.
     pub source_text: String,
@@ -112,9 +111,6 @@ impl Experiment {
     }
 
     /// Reads an experiment from its text; relative paths start at the folder of `path`.
-    ///
-    /// # Errors
-    /// All problems at once.
     pub fn parse(text: &str, path: &Path, registry: &mut Registry) -> Result<Self, Box<ExperimentErrors>> {
         let fail = |complaints| Box::new(ExperimentErrors::new(path.to_owned(), text.to_owned(), complaints));
         let root = syntax(text).map_err(fail)?;
@@ -131,7 +127,6 @@ impl Experiment {
     }
 
     /// Number of joints N of the robot.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.robot.joints()
     }

@@ -4,7 +4,6 @@ use aurt_traits::MeasurementUnit;
 
 use super::{joint_count::JointCheck, section::Section};
 
-/// Units of measurements.
 pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
     [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 

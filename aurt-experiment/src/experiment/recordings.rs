@@ -44,7 +44,6 @@ pub struct RecordingSource {
 
 impl RecordingSource {
     /// Whether two sources are the same part of the same recording, read in the same way.
-    #[must_use]
     pub fn is_the_same_as(&self, other: &Self) -> bool {
         self.file == other.file && self.window_s == other.window_s && self.recorded == other.recorded
     }

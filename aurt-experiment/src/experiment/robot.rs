@@ -25,15 +25,11 @@ pub struct Robot {
 
 impl Robot {
     /// Number of joints N.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.geometry.joints()
     }
 
     /// The rigid bodies, with the names of their joints.
-    ///
-    /// # Errors
-    /// What makes the geometry no chain, and names that cannot be those of its joints.
     pub fn rigid_body(&self) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
         match &self.geometry {
             Geometry::Mdh { table, .. } => {
@@ -47,8 +43,6 @@ impl Robot {
         }
     }
 
-    /// The joints that recordings of it have.
-    #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         RobotJoints {
             count: self.joints(),

@@ -17,7 +17,6 @@ const MOST_UNKNOWN_KEYS: usize = 50;
 /// What all sections share while an experiment is read.
 #[derive(Debug, Default)]
 pub(super) struct Reader {
-    /// The folder that relative paths start from.
     pub folder: PathBuf,
     complaints: RefCell<Vec<Complaint>>,
     checks: RefCell<Vec<JointCheck>>,
@@ -88,7 +87,6 @@ impl<'n, 'r> Section<'n, 'r> {
         self.node.get(key)
     }
 
-    /// The value of a required key.
     pub(super) fn require(&mut self, key: &'static str, example: &str) -> Option<&'n Node> {
         let value = self.take(key);
         if value.is_none() {
@@ -122,7 +120,6 @@ impl<'n, 'r> Section<'n, 'r> {
         self.complain(key, at, &format!("expects {what}, found {}", at.kind_name()), None);
     }
 
-    /// A finite number.
     pub(super) fn number_of(&self, key: &str, node: &Node) -> Option<f64> {
         match node.as_number() {
             None => self.expected(key, node, "a number"),
@@ -212,7 +209,6 @@ impl<'n, 'r> Section<'n, 'r> {
         }
     }
 
-    /// An optional boolean.
     pub(super) fn boolean(&mut self, key: &'static str) -> Option<bool> {
         let node = self.take(key)?;
         if let NodeKind::Boolean(value) = node.kind {
@@ -222,7 +218,6 @@ impl<'n, 'r> Section<'n, 'r> {
         None
     }
 
-    /// A string.
     pub(super) fn text_of<'t>(&self, key: &str, node: &'t Node) -> Option<&'t str> {
         let text = node.as_str();
         if text.is_none() {

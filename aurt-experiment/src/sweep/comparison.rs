@@ -16,13 +16,11 @@ const FEWEST_BLOCKS: usize = 8;
 /// by Student's t. Neighbouring blocks are not independent: the variance of the mean takes in their autocovariance up to
 /// a lag of 4 (n/100)^(2/9), with triangular weights (Newey and West 1987). Where the blocks speak for the one point and
 /// the sum over all of them for the other, the probability is one.
-#[must_use]
 pub fn paired(a: &JointErrors, b: &JointErrors) -> Option<f64> {
     paired_overall(std::slice::from_ref(a), std::slice::from_ref(b))
 }
 
 /// [`paired`] over all joints together: each block gives the mean of the joints' logarithms.
-#[must_use]
 pub fn paired_overall(a: &[JointErrors], b: &[JointErrors]) -> Option<f64> {
     if a.len() != b.len() || a.iter().zip(b).any(|(a, b)| a.block_rows != b.block_rows) {
         return None;
@@ -66,7 +64,6 @@ fn test(differences: &[f64]) -> Option<f64> {
 }
 
 /// Which of several tests hold at `level` together (Holm 1979); tests without a probability do not.
-#[must_use]
 pub fn holm(probabilities: &[Option<f64>], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..probabilities.len()).filter(|k| probabilities[*k].is_some()).collect();
     order.sort_by(|a, b| {

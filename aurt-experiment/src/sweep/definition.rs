@@ -13,7 +13,6 @@ const BLOCK_S: f64 = 1.0;
 pub struct Definition {
     /// Axes whose values are combined, each with each; the later ones change faster.
     pub axes: Vec<Axis>,
-    /// How points are judged.
     pub validate: Validate,
     /// `block_s`: length of the blocks of time over which errors are summed for comparisons, s; 1 by default.
     pub block_s: f64,
@@ -35,27 +34,21 @@ pub enum Validate {
 /// Alternatives of which a point has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// The alternatives.
     pub steps: Vec<Step>,
 }
 
-/// One alternative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// Its name, if it has one; otherwise its settings name it.
     pub name: Option<String>,
-    /// What it sets.
     pub settings: Vec<Setting>,
 }
 
 /// A key with the value that it gets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// The key.
     pub place: Place,
-    /// Where the key is written.
     pub key_span: Span,
-    /// The value.
     pub value: Node,
 }
 
@@ -64,9 +57,6 @@ const VARIANT_KEYS: [&str; 2] = ["name", "set"];
 
 impl Definition {
     /// Reads `[sweep]`.
-    ///
-    /// # Errors
-    /// Everything that is wrong with it.
     pub(crate) fn read(sweep: &Node) -> Result<Self, Vec<Complaint>> {
         let mut complaints = Vec::new();
         if !matches!(sweep.kind, NodeKind::Table(_)) {

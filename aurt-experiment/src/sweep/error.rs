@@ -7,6 +7,7 @@ use thiserror::Error;
 /// Why a sweep, as a whole, cannot go on. What is wrong with a single point is its result, not one of these.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum SweepError {
     /// `[sweep]`, or an experiment that it makes, is wrong in one or more places.
     #[error(transparent)]
@@ -14,80 +15,43 @@ pub enum SweepError {
     /// The experiment, models or libraries.
     #[error(transparent)]
     Plugins(#[from] crate::Error),
-    /// The experiment has no `[sweep]`.
     #[error("{}: there is no [sweep] to run; add one that names keys and their values", path.display())]
-    NoSweep {
-        /// The experiment.
-        path: PathBuf,
-    },
-    /// There is nothing to rank points by.
+    NoSweep { path: PathBuf },
     #[error(
         "{}: points are ranked by their error on recordings that they were not fitted to; list some under \
          `[recordings] validation`, or set `validate = \"leave_one_out\"` under [sweep] and list at least two \
          calibration recordings",
         path.display()
     )]
-    NothingHeldOut {
-        /// The experiment.
-        path: PathBuf,
-    },
+    NothingHeldOut { path: PathBuf },
     /// The folder holds something else than a sweep.
     #[error("{}: {reason}; {remedy}", path.display())]
     Folder {
-        /// The folder.
         path: PathBuf,
         /// What is wrong, as the rest of a sentence.
         reason: String,
-        /// What to do.
         remedy: String,
     },
-    /// Another process works in the folder.
     #[error(
         "{}: another sweep is at work in this folder; wait until it is done, or name another folder",
         path.display()
     )]
-    Locked {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The plan has no such point.
+    Locked { path: PathBuf },
     #[error("{}: there is no point {index}; the plan has points 1 to {points}", path.display())]
-    NoPoint {
-        /// The folder.
-        path: PathBuf,
-        /// The point that was asked for.
-        index: usize,
-        /// Number of points.
-        points: usize,
-    },
+    NoPoint { path: PathBuf, index: usize, points: usize },
     /// What a point depends on is no longer what it was when the sweep was planned.
     #[error(
         "{}: point {index} is no longer what was planned: the experiment, a recording, a library or the program \
          has changed since; plan again with `aurt sweep plan`",
         path.display()
     )]
-    Stale {
-        /// The folder.
-        path: PathBuf,
-        /// The point.
-        index: usize,
-    },
+    Stale { path: PathBuf, index: usize },
     /// A file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A file could not be written.
     #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
     /// Jobs could not be submitted.
     #[error("sbatch {problem}")]
     Slurm {
@@ -106,13 +70,10 @@ pub enum PointError {
     /// The rigid bodies or the robot model.
     #[error(transparent)]
     Model(#[from] aurt_plugins::model::Error),
-    /// The fit or its validation.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// No row of the held-out recordings qualifies.
     #[error("the held-out recordings leave no rows to judge by")]
     NothingJudged,
-    /// The program failed.
     #[error("the program failed on this point: {0}")]
     Panic(String),
 }

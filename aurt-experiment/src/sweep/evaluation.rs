@@ -13,9 +13,6 @@ use crate::sweep::{
 };
 
 /// Fits a point's model and judges it.
-///
-/// # Errors
-/// Why it could not be.
 pub(crate) fn evaluate(
     point: &Point,
     rows: &SharedRows<'_>,

@@ -35,20 +35,13 @@ pub(crate) fn common_part(text: &str) -> String {
 pub(crate) struct SharedRows<'r> {
     /// The fits: the rows that each is fitted to, and the indices in `judged` of the recordings that it is judged on.
     pub folds: Vec<(FitRows<'r>, Vec<usize>)>,
-    /// The recordings that models are judged on.
     pub judged: &'r RigidRows<'r>,
-    /// The rigid bodies.
     pub bodies: &'r RigidBodyDynamics,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// What to heed of the recordings.
     pub warnings: &'r [String],
 }
 
 /// The robot model of an experiment on rigid bodies that are known already.
-///
-/// # Errors
-/// What models report.
 pub(crate) fn point_model(
     experiment: &Experiment,
     bodies: &RigidBodyDynamics,
@@ -59,9 +52,6 @@ pub(crate) fn point_model(
 
 /// Reads and preprocesses what the points of a family share, evaluates and filters the rigid bodies' columns, and hands
 /// them over.
-///
-/// # Errors
-/// What is wrong with a recording or the rigid bodies.
 pub(crate) fn with_shared_rows<R>(
     first: &Point,
     validate: Validate,

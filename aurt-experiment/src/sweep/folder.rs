@@ -49,7 +49,6 @@ pub struct Folder {
 /// Who else may work in a folder at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sharing {
-    /// Nobody.
     Exclusive,
     /// Others that write single results.
     Shared,
@@ -154,7 +153,6 @@ impl Folder {
     }
 
     /// The folder's path.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -164,7 +162,6 @@ impl Folder {
     }
 
     /// The file of a point's resolved experiment; points are numbered from 1.
-    #[must_use]
     pub fn point_file(&self, number: usize) -> PathBuf {
         self.file(POINTS).join(format!("{number:04}.toml"))
     }
@@ -203,9 +200,6 @@ impl Folder {
     }
 
     /// Writes the plan, the experiment and every point's; points of an earlier plan go, results stay.
-    ///
-    /// # Errors
-    /// [`SweepError::Write`].
     pub fn write_plan(&self, sweep: &Sweep, plan: &Plan) -> Result<(), SweepError> {
         for name in [POINTS, RESULTS] {
             let path = self.file(name);
@@ -228,7 +222,6 @@ impl Folder {
 
     /// A point's result, if there is one; a file that cannot be understood or was changed is none, see
     /// [`Self::damaged`].
-    #[must_use]
     pub fn result(&self, key: &str) -> Option<PointResult> {
         let bytes = aurt_files::read_bytes(&self.result_file(key), aurt_files::MOST_MODEL_BYTES).ok()?;
         match kept::from_bytes(&bytes, key) {
@@ -242,16 +235,12 @@ impl Folder {
     }
 
     /// The files of results that were met so far and are not what was written: cut off, another version's, or changed.
-    #[must_use]
     pub fn damaged(&self) -> Vec<PathBuf> {
         let damaged = self.damaged.lock().unwrap_or_else(PoisonError::into_inner);
         damaged.iter().map(|key| self.result_file(key)).collect()
     }
 
     /// Keeps a result.
-    ///
-    /// # Errors
-    /// [`SweepError::Write`].
     pub fn keep(&self, result: &PointResult) -> Result<(), SweepError> {
         let path = self.result_file(&result.key);
         let bytes =

@@ -13,7 +13,6 @@ use serde_json::Value;
 
 use crate::sweep::{SweepError, definition::Validate};
 
-/// Version of what is hashed, and of the results.
 const VERSION: &str = "aurt sweep result 1";
 
 /// The file that [`code_is_in`] states.
@@ -33,9 +32,6 @@ pub struct Digests {
 
 impl Digests {
     /// The digest of a file's contents.
-    ///
-    /// # Errors
-    /// [`SweepError::Read`].
     pub fn of(&self, path: &Path) -> Result<[u8; 32], SweepError> {
         let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(digest) = known.get(path) {

@@ -19,7 +19,6 @@ struct Kept {
 /// What a file of results turned out to be.
 #[derive(Debug)]
 pub enum Found {
-    /// The result as it was written.
     Whole(Box<PointResult>),
     /// Half a file, another version's, or one that was changed after it was written.
     Damaged,
@@ -31,9 +30,6 @@ fn checksum(key: &str, outcome: &Outcome) -> serde_json::Result<String> {
 }
 
 /// The contents of the file.
-///
-/// # Errors
-/// If the result cannot be written as JSON.
 pub fn to_bytes(result: &PointResult) -> serde_json::Result<Vec<u8>> {
     let checksum = checksum(&result.key, &result.outcome)?;
     let PointResult { schema, key, outcome } = result.clone();

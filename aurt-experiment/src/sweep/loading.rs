@@ -7,21 +7,17 @@ use crate::sweep::{PointError, definition::Validate};
 /// The recordings of an experiment, preprocessed.
 #[derive(Debug, Clone)]
 pub struct Data {
-    /// To be fitted.
     pub calibration: Vec<NamedRecording>,
     /// To be judged on: the validation recordings, or with `leave_one_out` the calibration recordings in their order,
     /// preprocessed as validation recordings are.
     pub judged: Vec<NamedRecording>,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// What to heed of the recordings.
     pub warnings: Vec<String>,
 }
 
 /// How a point is fitted and judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Settings of the calibration.
     pub calibration: CalibrationOptions,
     /// Settings of the search for shapes.
     pub shapes: ShapeOptions,
@@ -32,11 +28,7 @@ pub struct Settings {
 /// Reads recordings as `aurt run` does; the sweep itself reads none.
 pub trait Loader: Sync {
     /// Reads and preprocesses the recordings of an experiment.
-    ///
-    /// # Errors
-    /// What is wrong with one.
     fn load(&self, experiment: &Experiment, validate: Validate) -> Result<Data, PointError>;
 
-    /// How an experiment is fitted and judged.
     fn settings(&self, experiment: &Experiment) -> Settings;
 }

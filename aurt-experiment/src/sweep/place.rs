@@ -9,19 +9,15 @@ pub struct Place(Vec<String>);
 
 impl Place {
     /// The place that a dotted key names.
-    #[must_use]
     pub fn new(key: &str) -> Self {
         Self(key.split('.').map(|part| part.trim().to_owned()).collect())
     }
 
-    /// Its parts, from the top.
-    #[must_use]
     pub fn parts(&self) -> &[String] {
         &self.0
     }
 
     /// The shortest form that a reader understands: without `joint_dynamics`.
-    #[must_use]
     pub fn short(&self) -> String {
         let parts = match self.0.split_first() {
             Some((first, rest)) if first == "joint_dynamics" && !rest.is_empty() => rest,
@@ -32,9 +28,6 @@ impl Place {
 
     /// Puts a value at this place of a document, in the place of what stands there; tables that are missing on the
     /// way are made.
-    ///
-    /// # Errors
-    /// What is in the way, as a sentence.
     pub fn put(&self, document: &mut Table, value: Value) -> Result<(), String> {
         let Some((last, way)) = self.0.split_last() else { return Err("the key is empty".into()) };
         if self.0.iter().any(String::is_empty) {
@@ -60,7 +53,6 @@ impl Place {
     }
 
     /// The first part that `document` does not have, with the key that it has instead and that was probably meant.
-    #[must_use]
     pub fn likely<'d>(&self, document: &'d Table) -> Option<(&str, &'d str)> {
         let mut table = document;
         for part in &self.0 {
@@ -121,7 +113,6 @@ const fn kind(value: &Value) -> &'static str {
 }
 
 /// A written value as TOML.
-#[must_use]
 pub fn to_toml(node: &Node) -> Value {
     match &node.kind {
         NodeKind::Null => Value::String("null".into()),
@@ -140,7 +131,6 @@ pub fn to_toml(node: &Node) -> Value {
 }
 
 /// A value in few words: `maxwell_slip(elements=5)` for a table that names a model.
-#[must_use]
 pub fn brief(node: &Node) -> String {
     let listed = |items: &mut dyn Iterator<Item = String>| items.collect::<Vec<_>>().join(",");
     match &node.kind {

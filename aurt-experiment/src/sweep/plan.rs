@@ -37,13 +37,10 @@ pub struct Plan {
     pub points: Vec<PlannedPoint>,
 }
 
-/// A point of a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedPoint {
-    /// What distinguishes it.
     pub name: String,
-    /// The key of its result.
     pub key: String,
 }
 

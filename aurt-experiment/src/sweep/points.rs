@@ -18,7 +18,6 @@ use crate::sweep::{
 pub struct Sweep {
     /// The experiment's file.
     pub path: PathBuf,
-    /// Its text.
     pub text: String,
     /// What `[sweep]` says.
     pub definition: Definition,
@@ -31,7 +30,6 @@ pub struct Sweep {
 /// One resolved experiment.
 #[derive(Debug, Clone)]
 pub struct Point {
-    /// What distinguishes it from the others.
     pub name: String,
     /// Its experiment as TOML, without `[sweep]` and with absolute paths.
     pub text: String,
@@ -82,7 +80,6 @@ fn refusal(path: &Path, text: &str, complaints: Vec<Complaint>) -> SweepError {
     SweepError::Definition(Box::new(errors))
 }
 
-/// Whether an experiment has recordings to be judged on.
 fn held_out(experiment: &Experiment, validate: Validate) -> bool {
     match validate {
         Validate::HeldOut => !experiment.recordings.validation.is_empty(),
@@ -210,7 +207,6 @@ fn with_suggestion(complaint: Complaint, setting: &Setting, document: &Table) ->
     complaint.help(help)
 }
 
-/// What its steps say of a point.
 fn name_of(steps: &[&Step]) -> String {
     let parts: Vec<String> = steps
         .iter()

@@ -27,7 +27,6 @@ pub struct Ranking {
     pub reference: Option<String>,
     /// What could be judged, best first.
     pub ranked: Vec<Ranked>,
-    /// What could not.
     pub failed: Vec<Failed>,
     /// Numbers of points that have not been run.
     pub missing: Vec<usize>,
@@ -40,9 +39,7 @@ pub struct Ranked {
     pub rank: usize,
     /// Its number in the plan, from 1.
     pub number: usize,
-    /// What distinguishes it.
     pub name: String,
-    /// Number of coefficients.
     pub coefficients: usize,
     /// Number of shape parameters that were searched.
     pub shapes: usize,
@@ -76,9 +73,7 @@ pub struct JointRank {
 pub struct Failed {
     /// Its number in the plan, from 1.
     pub number: usize,
-    /// What distinguishes it.
     pub name: String,
-    /// Why.
     pub error: String,
 }
 
@@ -93,7 +88,6 @@ struct Entry<'p> {
 
 impl Ranking {
     /// Ranks what a folder holds.
-    #[must_use]
     pub fn of(folder: &Folder, plan: &Plan, rows: Rows) -> Self {
         let (mut entries, mut failed, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for (k, point) in plan.points.iter().enumerate() {
@@ -200,7 +194,6 @@ impl Ranking {
     }
 
     /// The table as CSV, one row a point; points that failed have their error in the last column.
-    #[must_use]
     pub fn to_csv(&self) -> String {
         let joints = self.ranked.first().map_or(0, |r| r.joints.len());
         let mut header: Vec<String> =

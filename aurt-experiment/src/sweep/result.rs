@@ -14,9 +14,7 @@ pub const SCHEMA: u32 = 2;
 pub struct PointResult {
     /// Version of the format.
     pub schema: u32,
-    /// The key under which it is kept.
     pub key: String,
-    /// What came out.
     pub outcome: Outcome,
 }
 
@@ -24,7 +22,6 @@ pub struct PointResult {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The model was fitted and judged.
     Judged(Evaluation),
     /// It could not be; why.
     Failed(String),
@@ -34,9 +31,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evaluation {
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// Number of coefficients.
     pub coefficients: usize,
     /// Number of shape parameters that were searched.
     pub shapes: usize,
@@ -50,14 +45,11 @@ pub struct Evaluation {
 pub struct Fold {
     /// Names of the recordings that it was fitted to.
     pub calibrated_on: Vec<String>,
-    /// The coefficients.
     pub parameters: Vec<CalibratedParameter>,
-    /// The search for shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape_fit: Option<ShapeReport>,
     /// Condition number of the weighted observation matrix; absent if it is infinite.
     pub condition_number: Option<f64>,
-    /// Warnings of the calibration.
     pub warnings: Vec<String>,
     /// The held-out recordings.
     pub judged: Vec<Judged>,
@@ -67,7 +59,6 @@ pub struct Fold {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Judged {
-    /// Its name.
     pub recording: String,
     /// Over all rows while the robot is in motion, joint after joint.
     pub all: Vec<JointErrors>,
@@ -79,7 +70,6 @@ pub struct Judged {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointErrors {
-    /// Number of rows.
     pub rows: usize,
     /// Σ (y − ŷ)², unit of the measurement squared.
     pub squared_error: f64,
@@ -87,13 +77,11 @@ pub struct JointErrors {
     pub squared_measurement: f64,
     /// Σ |y|.
     pub absolute_measurement: f64,
-    /// Rows of each block.
     pub block_rows: Vec<usize>,
     /// Σ (y − ŷ)² of each block.
     pub block_squared_error: Vec<f64>,
 }
 
-/// Which rows are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rows {
@@ -127,19 +115,16 @@ impl JointErrors {
     }
 
     /// Mean squared error; `NaN` without rows.
-    #[must_use]
     pub fn mse(&self) -> f64 {
         self.squared_error / self.rows as f64
     }
 
     /// Mean squared error over mean absolute measurement (Table II of the paper).
-    #[must_use]
     pub fn nmse(&self) -> f64 {
         self.squared_error / self.absolute_measurement
     }
 
     /// Root mean squared error over root mean squared measurement, as a fraction.
-    #[must_use]
     pub fn nrmse(&self) -> f64 {
         (self.squared_error / self.squared_measurement).sqrt()
     }
@@ -147,7 +132,6 @@ impl JointErrors {
 
 impl Judged {
     /// The errors over some rows, joint after joint.
-    #[must_use]
     pub fn errors(&self, rows: Rows) -> &[JointErrors] {
         match rows {
             Rows::All => &self.all,
@@ -163,7 +147,6 @@ impl Evaluation {
     }
 
     /// The sums of each joint over all held-out recordings; their blocks follow each other.
-    #[must_use]
     pub fn pooled(&self, rows: Rows) -> Vec<JointErrors> {
         let mut pooled: Vec<JointErrors> = Vec::new();
         for errors in self.judged().map(|j| j.errors(rows)) {

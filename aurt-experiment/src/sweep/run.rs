@@ -28,17 +28,9 @@ use crate::sweep::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
     /// How many points are to be run and how many results are there already.
-    Begin {
-        /// To be run.
-        missing: usize,
-        /// There already.
-        present: usize,
-    },
+    Begin { missing: usize, present: usize },
     /// A point has its result.
-    Done {
-        /// Whether it could be judged.
-        judged: bool,
-    },
+    Done { judged: bool },
 }
 
 /// What a run did.
@@ -168,7 +160,6 @@ struct Runner<'a> {
 }
 
 impl Runner<'_> {
-    /// Runs the points of a family.
     fn family(&self, points: &[(usize, &Point)]) -> Result<(), SweepError> {
         let Some((_, first)) = points.first() else { return Ok(()) };
         let Plan { validate, .. } = *self.plan;
@@ -223,7 +214,6 @@ fn add(sum: &Mutex<Duration>, time: Duration) {
     *sum.lock().unwrap_or_else(PoisonError::into_inner) += time;
 }
 
-/// What a panic said.
 fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".into())

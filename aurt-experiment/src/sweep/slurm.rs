@@ -17,7 +17,6 @@ const LARGEST_ELEMENT: usize = 1000;
 pub struct Submission {
     /// Slurm's numbers of the arrays: one for each thousand points of the plan.
     pub jobs: Vec<String>,
-    /// The points that were submitted.
     pub points: Vec<usize>,
     /// Where the jobs' output goes.
     pub output: PathBuf,
@@ -94,7 +93,6 @@ fn submitted(sbatch: &mut Command, arguments: &[String]) -> Result<String, Strin
 }
 
 /// Ascending numbers as Slurm writes them: `1-3,7`.
-#[must_use]
 pub fn ranges(numbers: &[usize]) -> String {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for n in numbers {
@@ -109,7 +107,6 @@ pub fn ranges(numbers: &[usize]) -> String {
     runs.into_iter().map(text).collect::<Vec<_>>().join(",")
 }
 
-/// A path as one word of a shell command.
 fn shell_word(path: &Path) -> String {
     format!("'{}'", path.to_string_lossy().replace('\'', "'\\''"))
 }

@@ -28,16 +28,12 @@ const ENDINGS: [&str; 4] = ["urdf", "xml", "mjcf", "xacro"];
 /// the file has them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChainEnds<'a> {
-    /// The link that it starts from.
     pub base: Option<&'a str>,
-    /// The link that it ends at.
     pub tip: Option<&'a str>,
 }
 
-/// A model that is taken as given.
 #[derive(Debug, Clone)]
 pub struct GivenModel {
-    /// The model.
     pub calibrated: CalibratedModel,
     /// What a person should know of how it was read.
     pub notes: Vec<String>,
@@ -218,7 +214,6 @@ pub(super) fn model(
     Ok(dynamics.with_joint_dynamics(stacks, terms)?)
 }
 
-/// The coefficients of that structure.
 pub(super) fn coefficients(described: &DescribedRobot, base: &[f64], model: &RobotModel) -> Vec<f64> {
     let mut values = vec![0.0; model.parameters().len()];
     let mut put = |group, own: &[f64]| values[model.group(group)].copy_from_slice(own);

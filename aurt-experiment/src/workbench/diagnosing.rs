@@ -54,19 +54,15 @@ pub const MOST_ROWS: usize = 400_000;
 /// What a diagnosis of an experiment found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// The verdict.
     pub verdict: Verdict,
     /// The same as `verdict.json` has it.
     pub document: Value,
-    /// What was asked.
     pub asked: Asked,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
     /// What was held out, with its part of the recording.
     pub held_out: Vec<String>,
     /// The answers of simpler methods, by their names.
     pub comparison: Option<Value>,
-    /// The model that has what was found.
     pub improved: Option<Improved>,
     /// The recordings row by row, if asked for.
     pub series: Vec<DiagnosedSeries>,
@@ -75,27 +71,21 @@ pub struct Diagnosis {
 /// The model that has what a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Improved {
-    /// The experiment.
     pub experiment_toml: String,
-    /// The lines that it has and the diagnosed one has not.
     pub added: Vec<String>,
-    /// The model, calibrated.
     pub model: CalibratedModel,
     /// What a person should know about it.
     pub notes: Vec<String>,
-    /// The report.
     pub report: Page,
 }
 
 impl Diagnosis {
     /// Whether something has changed or is missing.
-    #[must_use]
     pub fn is_found(&self) -> bool {
         aurt::is_found(&self.verdict)
     }
 
     /// The verdict in a dozen lines.
-    #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let about_physics = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.about_physics);
         let Self { verdict, asked, held_out, .. } = self;
@@ -106,9 +96,6 @@ impl Diagnosis {
 }
 
 /// Diagnoses an experiment.
-///
-/// # Errors
-/// What makes a recording unfit, and what the diagnosis reports.
 pub fn diagnose_experiment(
     experiment: &Experiment,
     registry: &mut Registry,
@@ -390,9 +377,7 @@ fn is_named(library: &Path, experiment: &Experiment) -> bool {
 
 /// Where an experiment's relative file names lead from the folder of the results, and where from anywhere.
 struct Moved {
-    /// The folder of the experiment.
     from: PathBuf,
-    /// The folder of the results.
     to: PathBuf,
 }
 

@@ -18,7 +18,6 @@ use aurt_traits::MeasurementUnit;
 use crate::workbench::failure::Failure;
 
 /// `[instrument]`, and what of `[robot]` concerns it.
-#[must_use]
 pub fn instrument(experiment: &Experiment) -> Instrument {
     let i = &experiment.instrument;
     Instrument {
@@ -30,7 +29,6 @@ pub fn instrument(experiment: &Experiment) -> Instrument {
 }
 
 /// A recording as an experiment asks for it.
-#[must_use]
 pub fn source(source: &RecordingSource) -> Source {
     Source {
         file: source.file.clone(),
@@ -68,13 +66,12 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
             },
         }
     };
-    Err(Failure::Argument {
-        option: "--model",
+    Err(Failure::argument(
+        "--model",
         reason,
-        remedy: "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
-                 the model under [robot]: joint_names = […]"
-            .into(),
-    })
+        "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
+                 the model under [robot]: joint_names = […]",
+    ))
 }
 
 /// In what the drives of an experiment differ from those of a model: with other torque constants, currents are other torques.
@@ -96,9 +93,6 @@ fn constants_difference(calibrated: &CalibratedModel, experiment: &Experiment) -
 }
 
 /// What an experiment asks to be fitted.
-///
-/// # Errors
-/// If its model cannot be assembled.
 pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
     Ok(Job {
         model: experiment.robot_model()?,
@@ -110,17 +104,11 @@ pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
 }
 
 /// Does what an experiment says, without writing anything.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Outcome, Failure> {
     fit_and_keep(experiment, progress).map(|(outcome, _)| outcome)
 }
 
 /// As [`fit_experiment`]; the recordings are kept, to be looked at again.
-///
-/// # Errors
-/// As [`fit_experiment`].
 pub fn fit_and_keep(
     experiment: &Experiment,
     progress: &Progress,

@@ -34,11 +34,8 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
-    /// A Rust crate.
     Rust,
-    /// A URDF file.
     Urdf,
-    /// An SDF file.
     Sdf,
     /// A functional mock-up unit.
     Fmu(Kind),
@@ -60,18 +57,12 @@ const OWN_NAME: &str = "rd_calibrated.json";
 
 impl ModelFile {
     /// Reads a file.
-    ///
-    /// # Errors
-    /// If it holds no calibrated model.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
         let (document, text) = read_json(path)?;
         Self::from_document(path, document, &text, registry)
     }
 
     /// The model in what was read of a file, its value and its text; `path` is what errors call it.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn from_document(
         path: &Path,
         document: Value,
@@ -83,9 +74,6 @@ impl ModelFile {
     }
 
     /// A model in memory, with the file that saving makes of it.
-    ///
-    /// # Errors
-    /// If a part of the model cannot be expressed in JSON.
     pub fn of(calibrated: CalibratedModel) -> Result<Self, Failure> {
         let contents = calibrated.to_file()?;
         let document = serde_json::from_slice(&contents).unwrap_or_default();
@@ -100,11 +88,8 @@ fn hash(bytes: &[u8]) -> String {
 /// Files of a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
-    /// Their names and contents.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What was changed in a file of the user.
     pub changed: Vec<String>,
-    /// What of the model the target has no word for.
     pub lost: Vec<String>,
     /// What a person should know of the files.
     pub notes: Vec<String>,
@@ -157,10 +142,7 @@ impl Exported {
     ) -> Result<Vec<PathBuf>, Failure> {
         let paths: Vec<PathBuf> = self.files.iter().map(|(name, _)| out.path().join(name)).collect();
         for path in &paths {
-            let refuse = |reason: &str, remedy: &str| {
-                let (reason, remedy) = (reason.to_owned(), remedy.to_owned());
-                Err(Failure::Output { option, path: path.clone(), reason, remedy })
-            };
+            let refuse = |reason: &str, remedy: &str| Err(Failure::output(option, path, reason, remedy));
             let remedy = "name another folder, remove the file, or overwrite it with `--force` (in Python `force=True`)";
             // An archive of another kind or version has the same name, and importers keep what they have unpacked.
             let is_archive = path.extension().is_some_and(|extension| extension == "fmu");
@@ -207,7 +189,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
 
 impl Target {
     /// Its name, as the command takes it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -251,9 +232,9 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
             Target::Sdf => sdf::export(source)?.into(),
             Target::Fmu(kind) => fmu::export(source, kind)?.into(),
             Target::Isaac => {
-                let reason = "is a model of torques, and Isaac Lab's actuators are of drives".into();
-                let remedy = "name drive_calibrated.json of an experiment with [drive]".into();
-                return Err(Failure::Argument { option: "MODEL", reason, remedy });
+                let reason = "is a model of torques, and Isaac Lab's actuators are of drives";
+                let remedy = "name drive_calibrated.json of an experiment with [drive]";
+                return Err(Failure::argument("MODEL", reason, remedy));
             }
         })
     })

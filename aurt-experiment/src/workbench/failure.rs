@@ -18,6 +18,7 @@ use thiserror::Error;
 
 /// Why a command failed.
 #[derive(Debug, Error)]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Failure {
     /// An experiment is wrong in one or more places.
     #[error(transparent)]
@@ -27,92 +28,70 @@ pub enum Failure {
     Library(aurt::Error),
     /// A prediction of another simulator cannot be used.
     #[error("{}: {reason}; {remedy}", path.display())]
-    Simulated {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Simulated { path: PathBuf, reason: String, remedy: String },
     /// A table of numbers is not what the command needs.
     #[error("{}{}: {reason}; {remedy}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
     Table {
-        /// The file.
         path: PathBuf,
         /// The line, from 1, if it is about one.
         line: Option<usize>,
         /// The cell of that line, from 1, if it is about one.
         cell: Option<usize>,
-        /// What is wrong.
         reason: String,
-        /// What to do.
         remedy: String,
     },
     /// Something that a file asks for cannot be.
     #[error("{}: {failure}", path.display())]
-    In {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        failure: Box<Failure>,
-    },
-    /// A model cannot be exported.
+    In { path: PathBuf, failure: Box<Failure> },
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// An output cannot be where it is asked for.
     #[error("{option}: {} {reason}; {remedy}", path.display())]
     Output {
-        /// The option that names it.
         option: &'static str,
-        /// The path.
         path: PathBuf,
         /// What is wrong, as the rest of the sentence.
         reason: String,
-        /// What to do.
         remedy: String,
     },
-    /// A result is no number.
     #[error(
         "{}: a value of line {line} is not a finite number, so nothing is written; the model, its coefficients or the \
          motion are far beyond those of a robot: look at them with `aurt check` and at the values in the model file",
         path.display()
     )]
-    NotFinite {
-        /// The file that was to be written.
-        path: PathBuf,
-        /// The line of it.
-        line: usize,
-    },
+    NotFinite { path: PathBuf, line: usize },
     /// Something needs whole recordings, but they are read in stretches.
     #[error("{reason}; {remedy}")]
     Stretches {
         /// The recording, if it is one.
         path: Option<PathBuf>,
-        /// What is wrong, and why they are not read whole.
         reason: String,
-        /// What to do.
         remedy: String,
     },
-    /// A sweep.
     #[error(transparent)]
     Sweep(Box<SweepError>),
-    /// An argument does not go with the rest.
     #[error("{option}: {reason}; {remedy}")]
-    Argument {
-        /// The option.
-        option: &'static str,
-        /// What is wrong.
-        reason: String,
-        /// What to do.
-        remedy: String,
-    },
+    Argument { option: &'static str, reason: String, remedy: String },
 }
 
 impl Failure {
     /// A file or a model is not what the command needs.
     pub fn unfit(path: impl Into<PathBuf>, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::Library(aurt::Error::Unfit { path: path.into(), reason: reason.into(), remedy: remedy.into() })
+    }
+
+    /// An argument does not go with the rest.
+    pub fn argument(option: &'static str, reason: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Argument { option, reason: reason.into(), remedy: remedy.into() }
+    }
+
+    /// An output cannot be where it is asked for.
+    pub fn output(
+        option: &'static str,
+        path: impl Into<PathBuf>,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self::Output { option, path: path.into(), reason: reason.into(), remedy: remedy.into() }
     }
 
     /// A file could not be written.

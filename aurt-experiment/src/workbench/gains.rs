@@ -12,7 +12,6 @@ use crate::workbench::{experiments, failure::Failure};
 /// What is to be known of the gains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
-    /// The gains.
     Estimate,
     /// What the recordings determine, before anything is estimated.
     Expectation,
@@ -25,7 +24,6 @@ pub struct DriveGains {
     pub gains: Gains,
     /// Unit of the measurement before the experiment's torque constants.
     pub measured_in: &'static str,
-    /// What the experiment states.
     pub stated_nm_per_a: Option<Vec<f64>>,
     /// Torque constants, where all are determined and currents were measured.
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
@@ -34,7 +32,6 @@ pub struct DriveGains {
     /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
-    /// Recordings that were used.
     pub recordings: Vec<String>,
     /// Whether this is what is expected, not what was estimated.
     #[serde(skip)]
@@ -103,7 +100,6 @@ fn rounded(value: f64) -> f64 {
 
 impl DriveGains {
     /// The table, what to write into the experiment, and what to know.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let expected = self.question == Question::Expectation;
         let reference = self.gains.reference;

@@ -18,9 +18,6 @@ use crate::workbench::{
 };
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
-///
-/// # Errors
-/// Recordings that cannot be read; what an injection has no use for.
 pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     let refuse = |reason: &str, remedy: &str| Failure::unfit(experiment.path.clone(), reason, remedy);
     if !experiment.recordings.simulated.is_empty() {

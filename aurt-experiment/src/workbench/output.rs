@@ -23,12 +23,12 @@ fn claim(
     claimed: impl FnOnce(&Path) -> Result<Claim, WriteError>,
 ) -> Result<Claim, Failure> {
     claimed(path).map_err(|error| match error.source.kind() {
-        ErrorKind::ResourceBusy => Failure::Output {
+        ErrorKind::ResourceBusy => Failure::output(
             option,
-            path: error.path,
-            reason: "is in use: another run writes there".into(),
-            remedy: "wait until it has ended, or name another place".into(),
-        },
+            &error.path,
+            "is in use: another run writes there",
+            "wait until it has ended, or name another place",
+        ),
         _ => error.into(),
     })
 }
@@ -47,12 +47,7 @@ impl OutputFile {
     /// # Errors
     /// [`Failure::Output`] if the path is a folder, its folder does not exist, or it is an input.
     pub fn new(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
-        let refuse = |reason: &str, remedy: &str| Failure::Output {
-            option,
-            path: path.to_owned(),
-            reason: reason.to_owned(),
-            remedy: remedy.to_owned(),
-        };
+        let refuse = |reason: &str, remedy: &str| Failure::output(option, path, reason, remedy);
         if path.as_os_str().is_empty() {
             return Err(refuse("is empty", "name a file"));
         }
@@ -79,7 +74,6 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -95,18 +89,15 @@ impl OutputFile {
 }
 
 /// Checks that outputs of one command do not overwrite each other.
-///
-/// # Errors
-/// [`Failure::Output`].
 pub fn distinct(outputs: &[(&'static str, &Path)]) -> Result<(), Failure> {
     for (i, (option, path)) in outputs.iter().enumerate() {
         if let Some((other, _)) = outputs[..i].iter().find(|(_, p)| p == path) {
-            return Err(Failure::Output {
+            return Err(Failure::output(
                 option,
-                path: path.to_path_buf(),
-                reason: format!("is the file of {other} too"),
-                remedy: "name another file".into(),
-            });
+                path,
+                format!("is the file of {other} too"),
+                "name another file",
+            ));
         }
     }
     Ok(())
@@ -122,16 +113,8 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Checks that `path` is a folder or can become one.
-    ///
-    /// # Errors
-    /// [`Failure::Output`].
     pub fn new(option: &'static str, path: &Path) -> Result<Self, Failure> {
-        let refuse = |reason: String, remedy: &str| Failure::Output {
-            option,
-            path: path.to_owned(),
-            reason,
-            remedy: remedy.to_owned(),
-        };
+        let refuse = |reason: String, remedy: &str| Failure::output(option, path, reason, remedy);
         if path.as_os_str().is_empty() {
             return Err(refuse("is empty".into(), "name a folder"));
         }
@@ -147,9 +130,6 @@ impl OutputFolder {
     }
 
     /// The same for a folder whose own folder may have to be made, such as one within another output.
-    ///
-    /// # Errors
-    /// [`Failure::Output`].
     pub fn nested(option: &'static str, path: &Path) -> Result<Self, Failure> {
         let known = path.ancestors().find(|a| a.as_os_str().is_empty() || a.exists()).unwrap_or(path);
         if path.as_os_str().is_empty() || known.is_file() {
@@ -167,7 +147,6 @@ impl OutputFolder {
         Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -204,12 +183,10 @@ impl ResultFile {
 }
 
 impl Outputs {
-    /// Adds a file.
     pub fn file(&mut self, file: &OutputFile, contents: Vec<u8>) {
         self.files.push(ResultFile { path: file.path.clone(), folder: None, contents });
     }
 
-    /// Adds files of a folder.
     pub fn folder(&mut self, folder: &OutputFolder, files: impl IntoIterator<Item = (String, Vec<u8>)>) {
         if self.new_folder.is_none() && !folder.path.exists() {
             self.new_folder = Some(folder.path.clone());
@@ -234,7 +211,6 @@ impl Outputs {
     }
 
     /// The files that have been added.
-    #[must_use]
     pub fn paths(&self) -> Vec<PathBuf> {
         self.files.iter().map(|file| file.path.clone()).collect()
     }

@@ -18,7 +18,6 @@ const DEEPEST: usize = 3;
 pub enum PlannedOutput {
     /// A file, whose ending tells the format.
     File(OutputFile),
-    /// The folder of a LeRobot data set.
     DataSet(OutputFolder),
 }
 
@@ -36,27 +35,26 @@ impl PlannedOutput {
                 return Ok(Self::File(OutputFile::new(option, path, inputs)?));
             }
             Some(_) => {
-                return Err(Failure::Output {
+                return Err(Failure::output(
                     option,
-                    path: path.to_owned(),
-                    reason: "has none of the known endings".into(),
-                    remedy: "name it .csv, .yaml, .script, .mcap or .lerobot".into(),
-                });
+                    path,
+                    "has none of the known endings",
+                    "name it .csv, .yaml, .script, .mcap or .lerobot",
+                ));
             }
         }
         let folder = OutputFolder::new(option, path)?;
         let other = FOLDERS.iter().find_map(|name| other_file(&path.join(name), path, DEEPEST));
         other.map_or(Ok(Self::DataSet(folder)), |file| {
-            Err(Failure::Output {
+            Err(Failure::output(
                 option,
-                path: path.to_owned(),
-                reason: format!("has {}, which no planned motion has", file.display()),
-                remedy: "name a new folder".into(),
-            })
+                path,
+                format!("has {}, which no planned motion has", file.display()),
+                "name a new folder",
+            ))
         })
     }
 
-    /// The path.
     pub fn path(&self) -> &Path {
         match self {
             Self::File(file) => file.path(),
@@ -65,7 +63,6 @@ impl PlannedOutput {
     }
 
     /// A rate that the format has, near one that need not be kept: LeRobot counts whole frames per second.
-    #[must_use]
     pub fn near_rate_hz(&self, rate_hz: f64) -> f64 {
         match self {
             Self::File(_) => rate_hz,
@@ -74,16 +71,13 @@ impl PlannedOutput {
     }
 
     /// Refuses a rate that the format does not have.
-    ///
-    /// # Errors
-    /// [`Failure::Argument`].
     pub fn check_rate_hz(&self, rate_hz: f64) -> Result<(), Failure> {
         if matches!(self, Self::DataSet(_)) && rate_hz.fract() != 0.0 {
-            return Err(Failure::Argument {
-                option: "--rate-hz",
-                reason: format!("LeRobot counts whole frames per second, not {rate_hz}"),
-                remedy: "give a whole number".into(),
-            });
+            return Err(Failure::argument(
+                "--rate-hz",
+                format!("LeRobot counts whole frames per second, not {rate_hz}"),
+                "give a whole number",
+            ));
         }
         Ok(())
     }

@@ -26,11 +26,9 @@ const SEED: u64 = 1;
 /// Largest speed of a sine, rad/s or m/s, for models that state no range.
 const MOST_SPEED: f64 = 10.0;
 
-/// A description that was written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WrittenDescription<'a> {
     pub(super) text: &'a str,
-    /// Its name in messages.
     pub(super) path: &'a Path,
     pub(super) format: Format,
     /// The body that the robot stands on, where the file leaves a choice.
@@ -41,7 +39,6 @@ pub(super) struct WrittenDescription<'a> {
 /// Torque of a joint that a description lacks or adds, over a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueDifference {
-    /// The joint as the model calls it.
     pub joint: String,
     /// Root mean square of the difference, Nm or N.
     pub difference_nm: f64,
@@ -51,16 +48,12 @@ pub struct TorqueDifference {
 
 impl TorqueDifference {
     /// The difference over the torque; zero without torque.
-    #[must_use]
     pub fn relative(&self) -> f64 {
         if self.torque_nm > 0.0 { self.difference_nm / self.torque_nm } else { 0.0 }
     }
 }
 
 /// The differences of all joints over sines that reach the speeds of the calibration.
-///
-/// # Errors
-/// Those of reading the description; a description with another number of joints than the model.
 pub(super) fn torque_differences(
     calibrated: &CalibratedModel,
     written: &WrittenDescription<'_>,

@@ -21,9 +21,6 @@ const MEMORY_PER_BYTE: u64 = 8;
 
 /// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::workbench::experiments::fit_experiment) does
 /// with whole ones; predictions for their rows are not made.
-///
-/// # Errors
-/// As [`fit_in_stretches`].
 pub fn fit_experiment_in_stretches(
     experiment: &Experiment,
     because: TooLarge,
@@ -41,7 +38,6 @@ pub fn fit_experiment_in_stretches(
     Ok(outcome)
 }
 
-/// A number of bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Bytes(pub u64);
 
@@ -91,7 +87,6 @@ impl FromStr for Bytes {
 /// Why recordings are read in stretches.
 #[derive(Debug, Clone, Copy)]
 pub struct TooLarge {
-    /// What their files have together.
     pub together: Bytes,
     /// More than this is read in stretches.
     pub limit: Bytes,

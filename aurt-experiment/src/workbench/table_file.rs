@@ -19,7 +19,6 @@ pub struct TableFile {
     pub names: Vec<String>,
 }
 
-/// A row and where it stands.
 #[derive(Debug)]
 pub struct Row<'t> {
     table: &'t TableFile,
@@ -58,7 +57,6 @@ impl TableFile {
         Ok(table)
     }
 
-    /// The place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|n| n == name)
     }

@@ -11,7 +11,6 @@ use crate::{
     program::{Body, Function, Language, Program, Tunable},
 };
 
-/// A comment block.
 pub(super) fn comment(lines: &[String]) -> String {
     let mut text = String::from("/*\n");
     for line in lines {
@@ -114,7 +113,6 @@ pub(crate) fn header(
     text
 }
 
-/// The source.
 pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
     let (name, joints, functions) = (source.name, source.model.joints(), &program.functions);
     let mut lines = vec![format!("Dynamics of {name}; see {name}.h.")];
@@ -159,7 +157,6 @@ pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
     text
 }
 
-/// The statements of a function.
 fn body(name: &str, function: &Function, program: &Program) -> String {
     let memory = &program.memory;
     let mut text = String::new();
@@ -184,7 +181,6 @@ fn body(name: &str, function: &Function, program: &Program) -> String {
     text
 }
 
-/// Whether statements use an argument.
 fn uses(body: &str, argument: &str) -> bool {
     [format!(" {argument}["), format!("({argument}["), format!("({argument},"), format!(" {argument},")]
         .iter()

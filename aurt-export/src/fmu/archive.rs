@@ -41,9 +41,6 @@ pub(super) fn token(source: &Source<'_>, kind: Kind, sources: &[(String, String)
 }
 
 /// The archive of files, the same bytes for the same files.
-///
-/// # Errors
-/// [`ExportError::Archive`].
 pub(super) fn zipped(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, ExportError> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, contents) in files {

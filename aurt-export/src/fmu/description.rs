@@ -88,7 +88,6 @@ fn structure(variables: &Variables) -> String {
     text
 }
 
-/// The description of the model.
 pub(super) fn model(
     source: &Source<'_>,
     kind: Kind,

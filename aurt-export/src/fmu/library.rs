@@ -4,7 +4,6 @@ use std::process::Command;
 
 use aurt_files::output::StagedFolder;
 
-/// A file of the archive.
 type File = (String, Vec<u8>);
 
 /// The folder of libraries of this platform, if the standard has a name for it and libraries are made for it here.

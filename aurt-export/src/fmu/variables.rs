@@ -24,7 +24,6 @@ pub(super) enum Role {
     Fixed,
 }
 
-/// A variable.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Variable {
     pub name: String,

@@ -138,7 +138,6 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
     Ok(Corrected { text: edits.apply(text), changed, lost, notes })
 }
 
-/// Whether the chain of the file is the one that was calibrated.
 fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportError> {
     let other = |reason: String| Err(ExportError::OtherChain { reason });
     if !robot.couplings.is_empty() {

@@ -6,7 +6,6 @@ use aurt_traits::{ArmTerm, ColumnGroup};
 
 use crate::Source;
 
-/// Attributes of a joint.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct JointDynamics {
     pub armature: f64,

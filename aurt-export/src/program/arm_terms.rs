@@ -11,7 +11,6 @@ use super::{
 };
 use crate::ExportError;
 
-/// Coordinates of a joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coordinates {
     pub position: Value,

@@ -14,7 +14,6 @@ use super::{
 };
 use crate::{ExportError, Source};
 
-/// A function of the export.
 #[derive(Debug, Clone)]
 pub(crate) struct Function {
     /// Its name, without the robot's.
@@ -71,9 +70,6 @@ impl Program {
 }
 
 /// All functions of a model, its constants folded.
-///
-/// # Errors
-/// What cannot be written, by its name.
 pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, ExportError> {
     let joints = chain.joints().len();
     let (step, memory) = step(source, chain, None)?;
@@ -112,9 +108,6 @@ pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, E
 }
 
 /// The step of a model alone, whose coefficients of friction and arm terms are arguments.
-///
-/// # Errors
-/// As [`all`].
 pub(crate) fn tunable_step(
     source: &Source<'_>,
     chain: &SerialChain,

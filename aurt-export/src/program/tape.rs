@@ -4,7 +4,6 @@ use std::{collections::HashMap, fmt::Write};
 
 use super::language::{Language, literal};
 
-/// A value of a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Value {
     /// Known when the program is written.
@@ -249,7 +248,6 @@ impl Tape {
             .collect()
     }
 
-    /// Which operations the results need.
     fn needed(&self, results: &[Value]) -> Vec<bool> {
         let mut needed = vec![false; self.operations.len()];
         let mut open: Vec<Key> = results.iter().map(|r| Key::from(*r)).collect();

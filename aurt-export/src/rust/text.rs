@@ -11,7 +11,6 @@ use crate::{
     program::{Body, Function, Language, Program},
 };
 
-/// Lines of a comment.
 pub(super) fn comment(mark: &str, lines: &[String]) -> String {
     lines.iter().map(|line| format!("{mark} {}", for_comment(line)).trim_end().to_owned() + "\n").collect()
 }
@@ -65,7 +64,6 @@ fn signature(joints: usize, function: &Function) -> String {
     format!("pub fn {}({}) -> [f64; {}]", function.name, arguments.join(", "), function.result.1)
 }
 
-/// The statements of a function.
 fn body(function: &Function, program: &Program) -> String {
     let memory = &program.memory;
     let mut text = String::new();

@@ -192,7 +192,6 @@ pub fn case_with_memory(chain: SerialChain) -> Case {
     case
 }
 
-/// The chain where gravity is half as strong.
 pub fn half_of_gravity(chain: SerialChain) -> SerialChain {
     SerialChain::new(chain.joints().to_vec(), chain.gravity_m_s2().map(|g| 0.5 * g)).unwrap()
 }

@@ -25,33 +25,16 @@ use thiserror::Error;
 /// A model that does not do what it must or what it says of itself.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Violation {
-    /// The model reported an error where it must not.
     #[error("{during}: {source}")]
-    Failed {
-        /// What was asked of it.
-        during: &'static str,
-        /// What it reported.
-        source: ModelError,
-    },
+    Failed { during: &'static str, source: ModelError },
     /// A declared invariant does not hold.
     #[error("`{model}` declares that it is {}, but {detail}", .invariant.in_words())]
-    Invariant {
-        /// The model.
-        model: String,
-        /// The invariant.
-        invariant: Invariant,
-        /// Where it broke.
-        detail: String,
-    },
+    Invariant { model: String, invariant: Invariant, detail: String },
     /// Something that the traits ask of every model does not hold.
     #[error("`{model}`: {detail}")]
-    Contract {
-        /// The model.
-        model: String,
-        /// What broke, and where.
-        detail: String,
-    },
+    Contract { model: String, detail: String },
 }
 
 /// Largest difference between two evaluations that must agree, relative to the larger of 1 and the value.

@@ -20,7 +20,6 @@ pub use voltage::VoltageDrive;
 pub struct DriveListing {
     /// The drive with its defaults.
     pub drive: Box<dyn DriveModel>,
-    /// The text of its file.
     source: &'static str,
     /// The meaning of every number, with its symbol in the equation, in the order of [`DriveModel::parameters`].
     pub meanings: Vec<String>,

@@ -11,9 +11,6 @@ use aurt_simulation::SimulationError;
 /// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
 /// `sealed/case_0001.json` … with the truth; says how many. The same plan and seed give the same bytes, on any number of
 /// threads.
-///
-/// # Errors
-/// The first case that cannot be made, or a file that cannot be written.
 pub fn conceal(
     plan: &Plan,
     seed: u64,
@@ -58,7 +55,6 @@ impl Plan {
     }
 
     /// The name of a case; `index` counts from 0.
-    #[must_use]
     pub fn case_name(index: usize) -> String {
         format!("case_{:04}", index + 1)
     }
@@ -86,9 +82,6 @@ fn case_seed(seed: u64, index: usize, attempt: usize) -> u64 {
 
 impl Case {
     /// Writes the case's folder into `cases` and its truth into `sealed`.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`].
     pub fn write(&self, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
         // The truth first: a case folder that is there has one.
         write_file(&sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())?;
@@ -96,9 +89,6 @@ impl Case {
     }
 
     /// Writes the case's folder alone into `cases`: for references, which have no truth to be sealed.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`].
     pub fn write_folder(&self, cases: &Path) -> Result<(), SimulationError> {
         Ok(write_folder(&cases.join(&self.name), &self.files)?)
     }

@@ -8,7 +8,6 @@ use aurt_simulation::{
     robots::Robot,
 };
 
-/// Name of the file of the recording of a slot.
 pub(super) fn file_name(slot: usize) -> String {
     format!("recording_{}.csv", slot + 1)
 }

@@ -17,7 +17,6 @@ pub(super) struct Laboratory {
     pub logger: Logger,
     /// Highest frequency of the dynamics that the experiment states, Hz.
     pub f_dyn_hz: f64,
-    /// Where the shapes of effects are drawn from.
     pub shapes: Shapes,
     /// What acts in every recording and is declared nowhere.
     pub undeclared: Option<Undeclared>,

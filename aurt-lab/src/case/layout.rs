@@ -6,11 +6,9 @@ use aurt_simulation::{
     trajectory::{Motion, Trajectory},
 };
 
-/// What a recording is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// The model is fitted to it.
     Calibration,
     /// Its mismatch is to be explained.
     Target,
@@ -39,7 +37,6 @@ impl Default for RecordingSettings {
 pub(super) struct Slot {
     pub role: Role,
     pub trajectory: Trajectory,
-    /// Whether the effects are in it.
     pub affected: bool,
     pub seed: u64,
 }

@@ -26,11 +26,9 @@ use aurt_simulation::{
 /// A case: the files that a diagnosis may see, and the truth.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Name of its folder.
     pub name: String,
     /// Names and contents of the files in the folder.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What is in it.
     pub truth: Truth,
 }
 

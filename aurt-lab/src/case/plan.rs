@@ -54,7 +54,6 @@ pub struct SinglePlan {
     pub robots: Vec<String>,
     /// Identifiers; empty for all.
     pub effects: Vec<String>,
-    /// Strengths.
     pub strengths: Vec<Strength>,
     /// Cases per effect and strength.
     pub trials: usize,
@@ -74,7 +73,6 @@ pub struct PairPlan {
     pub robots: Vec<String>,
     /// Identifiers that may be paired; empty for all.
     pub effects: Vec<String>,
-    /// Strength of both.
     pub strength: Strength,
     /// Number of cases.
     pub count: usize,
@@ -137,7 +135,6 @@ impl Plan {
     }
 
     /// Every effect once at medium strength, two unknown effects, two pairs, four nulls.
-    #[must_use]
     pub fn small() -> Self {
         let medium = |effects: &[&str]| SinglePlan {
             effects: effects.iter().map(|e| (*e).to_owned()).collect(),
@@ -154,9 +151,6 @@ impl Plan {
     }
 
     /// The cases, in an order that reveals nothing.
-    ///
-    /// # Errors
-    /// Unknown robots and effects; effects that fit none of the robots.
     pub fn requests(&self, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
         self.check_counts()?;
         let mut random = Random::labelled(seed, "plan");

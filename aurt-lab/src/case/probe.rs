@@ -55,7 +55,6 @@ pub(super) struct Bench {
     pub structure: Structure,
     pub columns: Arc<Columns>,
     pub laboratory: Rc<Laboratory>,
-    /// The robot that bounds the sizes of effects.
     pub bounds: Robot,
     pub undisturbed: Undisturbed,
     /// The structure fitted to the undisturbed calibration recordings.
@@ -119,7 +118,6 @@ pub(super) struct Probed {
     pub effect: Box<dyn Effect>,
     /// Over noise, per joint.
     pub achieved: Vec<f64>,
-    /// What happened in the slots that show it.
     pub disturbed: Vec<(usize, Traces, Instrument)>,
 }
 

@@ -7,7 +7,6 @@ use aurt_simulation::{
     robots::{Robot, Rotors},
 };
 
-/// What a case is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CaseType {
@@ -22,25 +21,18 @@ pub enum CaseType {
     UnknownEffect,
 }
 
-/// One case to be made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseRequest {
     /// The robot's name.
     pub robot: String,
-    /// What it is about.
     pub case_type: CaseType,
-    /// Identifiers of the effects.
     pub effects: Vec<String>,
-    /// How strong they are to be.
     pub strength: Strength,
 }
 
 impl CaseRequest {
     /// The kinds of the effects.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownEffect`].
     pub fn kinds(&self) -> Result<Vec<&'static EffectKind>, SimulationError> {
         self.effects.iter().map(|name| kind(name)).collect()
     }
@@ -64,8 +56,6 @@ impl CaseRequest {
             .unwrap_or(chance)
     }
 
-    /// Whether the robot can have all the effects at once.
-    #[must_use]
     pub fn is_possible(robot: &Robot, kinds: &[&EffectKind]) -> bool {
         let rotors: Vec<Rotors> = kinds.iter().filter_map(|k| k.rotors).collect();
         let present: Vec<Presence> =

@@ -12,20 +12,15 @@ use aurt_simulation::{SimulationError, effects::Family, robots::Rotors};
 pub struct Truth {
     /// Name of the case's folder.
     pub case: String,
-    /// The world that made it.
     #[serde(default)]
     pub world: World,
     /// Seed from which the case can be made again.
     pub seed: u64,
-    /// The robot.
     pub robot: String,
     /// Where its rotors' inertia is.
     pub rotors: Rotors,
-    /// What the case is about.
     pub case_type: CaseType,
-    /// How strong the effects were to be.
     pub strength: Strength,
-    /// The effects that are to be found.
     pub effects: Vec<TrueEffect>,
     /// What else the experiment does not declare, weaker than the effects: to name it is neither right nor wrong.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -39,14 +34,10 @@ pub struct Truth {
     pub validation: Vec<ValidationFloor>,
 }
 
-/// An effect that is in a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrueEffect {
-    /// Identifier.
     pub effect: String,
-    /// Family.
     pub family: Family,
-    /// Whether the vocabulary has it.
     pub in_vocabulary: bool,
     /// The joints whose physics it is; of whole-arm effects those whose error it makes.
     pub joints: Vec<usize>,
@@ -61,14 +52,12 @@ pub struct TrueEffect {
     /// Torque that the experiment's structure cannot absorb over noise, per joint, in the recording where it
     /// is largest (within its window, if it has one).
     pub achieved: Vec<f64>,
-    /// All its fields.
     pub fields: Value,
 }
 
 /// Root mean square residuals of a held-out recording after the usual preprocessing, Nm per joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ValidationFloor {
-    /// The recording.
     pub recording: String,
     /// What the experiment's structure leaves of it.
     pub before_nm: Vec<f64>,
@@ -78,9 +67,6 @@ pub struct ValidationFloor {
 
 impl Truth {
     /// Reads a sealed truth.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         crate::json_file::read(path.as_ref())
     }

@@ -24,7 +24,6 @@ impl World {
     pub const ALL: [Self; 5] = [Self::Clean, Self::Rough, Self::Mujoco, Self::Injected, Self::Servo];
 
     /// Its name in files and tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",
@@ -35,8 +34,6 @@ impl World {
         }
     }
 
-    /// The world of a name.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|world| world.name() == name)
     }

@@ -49,7 +49,6 @@ pub fn read_plan(path: impl AsRef<Path>) -> Result<Plan, Failure> {
 }
 
 impl Conceal {
-    /// Conceals.
     pub fn run(&self, session: &mut Session) -> Result<Report, Failure> {
         let plan = self.plan.as_ref().map_or_else(|| Ok(Plan::small()), read_plan)?;
         if let Some(experiment) = &self.into {

@@ -89,7 +89,6 @@ fn world(name: &str) -> Result<World, String> {
 }
 
 impl Prove {
-    /// Proves.
     pub fn run(&self, session: &mut Session) -> Result<Report, Failure> {
         let Some(out) = &self.out else { return self.learn_from_proofs() };
         let folder = OutputFolder::new("--out", out)?;
@@ -170,18 +169,17 @@ impl Prove {
         })
     }
 
-    /// Learns from proofs that are finished.
     fn learn_from_proofs(&self) -> Result<Report, Failure> {
         let mut scores = Vec::new();
         for folder in &self.proofs {
             scores.extend(proof::report(folder, &BTreeMap::new())?.scores);
         }
         let Some(path) = &self.learn else {
-            return Err(Failure::Argument {
-                option: "--proof",
-                reason: "proofs are named, and nothing is to be learnt from them".into(),
-                remedy: "name a file with --learn".into(),
-            });
+            return Err(Failure::argument(
+                "--proof",
+                "proofs are named, and nothing is to be learnt from them",
+                "name a file with --learn",
+            ));
         };
         let learnt = proof::learn(path, &scores)?;
         let text: String = learnt

@@ -36,7 +36,6 @@ pub struct Score {
 }
 
 impl Score {
-    /// Scores.
     pub fn run(&self) -> Result<Report, Failure> {
         let output = self.out.as_ref().map(|path| OutputFile::new("--out", path, &[])).transpose()?;
         let mut scores = read_scores(&self.sealed, &self.verdicts, &Verdicts::Own)?;

@@ -40,7 +40,6 @@ pub struct Setups {
 }
 
 impl Setups {
-    /// Counts.
     pub fn run(&self, session: &Session) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let program = program(self.program.as_deref())?;

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AccelerationFriction {
-    /// The joint.
     pub joint: usize,
     /// Growth of the level per acceleration, Nm s²/rad.
     pub growth_nm_s2: f64,
@@ -23,10 +22,6 @@ impl Physics for AccelerationFriction {
         let drive = &context.robot.drives[joint];
         let growth = random.between(2.0, 4.0) / drive.acceleration_limit_rad_s2;
         Self { joint, growth_nm_s2: growth * drive.torque_noise_nm }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -5,9 +5,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CableDrag {
-    /// The joint.
     pub joint: usize,
-    /// The other joint.
     pub other: usize,
     /// Size of the pull, Nm.
     pub tension_nm: f64,
@@ -35,10 +33,6 @@ impl Physics for CableDrag {
                 context.robot.drives[other].home_rad + random.between(-0.4, 0.4),
             ],
         }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -5,9 +5,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrossDrag {
-    /// The joint.
     pub joint: usize,
-    /// The other joint.
     pub other: usize,
     /// Drag, Nm s²/rad².
     pub drag_nm_s2: f64,
@@ -26,10 +24,6 @@ impl Physics for CrossDrag {
         let other = context.joints.get(1).copied().unwrap_or(0);
         let fast = 0.4 * context.robot.drives[other].velocity_limit_rad_s;
         Self { joint, other, drag_nm_s2: random.sign() * 2.0 * drive.torque_noise_nm / (fast * fast) }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -23,7 +23,6 @@ const UNKNOWN: &[EffectKind] = &[
 ];
 
 /// Effects outside the vocabulary, by identifier.
-#[must_use]
 pub const fn unknown_effects() -> &'static [EffectKind] {
     UNKNOWN
 }
@@ -34,9 +33,6 @@ pub fn all_kinds() -> impl Iterator<Item = &'static EffectKind> + Clone {
 }
 
 /// The kind of an identifier, from either list.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`].
 pub fn kind(identifier: &str) -> Result<&'static EffectKind, SimulationError> {
     kind_among(all_kinds(), identifier)
 }

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeakingSpring {
-    /// The joint.
     pub joint: usize,
     /// Stiffness at the start, Nm/rad.
     pub stiffness_nm_rad: f64,
@@ -31,10 +30,6 @@ impl Physics for LeakingSpring {
             rest_rad: drive.home_rad + random.sign() * random.between(0.5, 1.2),
             leak_s: context.duration_s * random.between(0.25, 0.6),
         }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

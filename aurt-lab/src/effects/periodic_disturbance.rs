@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PeriodicDisturbance {
-    /// The joint.
     pub joint: usize,
     /// Amplitude, Nm.
     pub amplitude_nm: f64,
@@ -24,10 +23,6 @@ impl Physics for PeriodicDisturbance {
         let joint = context.joint();
         let drive = &context.robot.drives[joint];
         Self { joint, amplitude_nm: 1.5 * drive.torque_noise_nm, frequency_hz: random.between(1.7, 6.0) }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -5,7 +5,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PositionDamper {
-    /// The joint.
     pub joint: usize,
     /// Mean damping, Nm s/rad.
     pub damping_nm_s: f64,
@@ -28,10 +27,6 @@ impl Physics for PositionDamper {
             damping_nm_s: 4.0 * drive.torque_noise_nm,
             middle_rad: drive.home_rad + random.between(-0.5, 0.5),
         }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

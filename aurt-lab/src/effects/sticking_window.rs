@@ -5,7 +5,6 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StickingWindow {
-    /// The joint.
     pub joint: usize,
     /// Excess of dry friction, Nm.
     pub excess_nm: f64,
@@ -29,10 +28,6 @@ impl Physics for StickingWindow {
             excess_nm: 3.0 * drive.torque_noise_nm,
             place_rad: [start, start + random.between(0.15, 0.35)],
         }
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {

@@ -39,7 +39,6 @@ pub struct Lacks {
 pub struct Undeclared {
     /// One per joint.
     pub lacks: Vec<Lacks>,
-    /// What moves the bristles of presliding.
     pub bristles: BristleModel,
     /// Time constants of lubricant and housing, s.
     pub time_constants_s: [f64; 2],
@@ -50,7 +49,6 @@ pub struct Undeclared {
 pub struct NamedLack {
     /// The effect's identifier.
     pub identifier: &'static str,
-    /// The joints that have it.
     pub joints: Vec<usize>,
     /// Name of its size.
     pub parameter: &'static str,
@@ -65,7 +63,6 @@ pub const PRESLIDING_RAD: [f64; 2] = [1e-4, 0.12];
 
 impl Undeclared {
     /// The lacks by the vocabulary's names.
-    #[must_use]
     pub fn by_name(&self) -> Vec<NamedLack> {
         let mut named = Vec::new();
         let mut add = |identifier, of: &dyn Fn(&Lacks) -> f64, parameter: &'static str| {

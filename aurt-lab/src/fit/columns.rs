@@ -33,12 +33,10 @@ impl Columns {
         Ok(Self { chain, base, standard, structure: structure.clone(), rows, coefficients })
     }
 
-    /// Number of joints.
     pub fn joints(&self) -> usize {
         self.rows.len()
     }
 
-    /// Number of coefficients.
     pub const fn coefficients(&self) -> usize {
         self.coefficients
     }

@@ -14,9 +14,6 @@ const ABSORBED: f64 = 1e-6;
 
 /// The same structure without the rotors whose torque the base parameters absorb exactly, as they do on
 /// the first axes of most arms.
-///
-/// # Errors
-/// Whatever the rigid bodies say.
 pub(crate) fn without_absorbed_rotors(
     mut structure: Structure,
     robot: &Robot,

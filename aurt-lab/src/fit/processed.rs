@@ -1,7 +1,6 @@
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use aurt_recording::{PreprocessOptions, Preprocessed, ReadReport, Recording, Segment, preprocess};
+use aurt_recording::{PreprocessOptions, Preprocessed, Recording, RecordingError, Segment, preprocess};
 
 use super::columns::Columns;
 use aurt_simulation::{
@@ -20,9 +19,6 @@ pub struct ProcessedFit {
 }
 
 /// A recording after the usual preprocessing for dynamics up to `f_dyn_hz`, torques in Nm, rest trimmed.
-///
-/// # Errors
-/// Whatever preprocessing refuses.
 pub fn processed_motion(
     recording: &SimulatedRecording,
     robot: &Robot,
@@ -31,28 +27,22 @@ pub fn processed_motion(
     let n = recording.joints;
     let by_joint =
         |series: &[f64]| (0..n).map(|j| series.iter().skip(j).step_by(n).copied().collect()).collect();
-    let input = Recording {
-        file: PathBuf::from("simulated"),
-        time_s: recording.time_s.clone(),
-        position_rad: by_joint(&recording.position_rad),
-        velocity_rad_s: None,
-        measurement: Some(by_joint(&recording.measurement)),
-        unit: recording.unit,
-        joints: aurt_recording::RecordedJoints::Unnamed,
-        report: ReadReport::default(),
-    };
+    let input = Recording::from_arrays(recording.time_s.clone(), by_joint(&recording.position_rad))
+        .and_then(|input| input.with_measurement(by_joint(&recording.measurement), recording.unit))
+        .map_err(refused)?;
     let mut options = PreprocessOptions::new(f_dyn_hz);
     if recording.unit == aurt_traits::MeasurementUnit::Ampere {
         options.gains = Some(robot.drives.iter().map(|d| d.torque_constant_nm_per_a).collect());
     }
-    preprocess(&input, &options).map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
+    preprocess(&input, &options).map_err(refused)
+}
+
+fn refused(error: RecordingError) -> SimulationError {
+    SimulationError::Preprocessing { reason: error.to_string() }
 }
 
 impl ProcessedFit {
     /// Fits the structure to recordings, joints weighted by the inverse variance of what a first fit leaves.
-    ///
-    /// # Errors
-    /// If the structure does not fit the robot or a series cannot be filtered.
     pub fn new(
         robot: &Robot,
         structure: &Structure,
@@ -91,15 +81,11 @@ impl ProcessedFit {
     }
 
     /// The fitted coefficients: base parameters, then each joint's terms.
-    #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
     /// What the fit leaves of a recording, joint by joint, in Nm on the decimated rows.
-    ///
-    /// # Errors
-    /// If a series cannot be filtered.
     pub fn residuals(&self, recording: &Preprocessed) -> Result<Vec<Vec<f64>>, SimulationError> {
         let mut residuals = vec![Vec::new(); self.weights.len()];
         for segment in &recording.segments {
@@ -112,24 +98,18 @@ impl ProcessedFit {
     }
 
     /// Root mean square of [`Self::residuals`], Nm per joint.
-    ///
-    /// # Errors
-    /// As [`Self::residuals`].
     pub fn residual_rms_nm(&self, recording: &Preprocessed) -> Result<Vec<f64>, SimulationError> {
         Ok(self.residuals(recording)?.iter().map(|r| mean_square(r).sqrt()).collect())
     }
 
     fn filtered(&self, segment: &Segment) -> Result<Filtered, SimulationError> {
-        let failed = |error: aurt_recording::RecordingError| SimulationError::Preprocessing {
-            reason: error.to_string(),
-        };
         let rows = self
             .columns
             .evaluate(segment.motion.view())
             .into_iter()
             .map(|row| segment.filtered(&row))
             .collect::<Result<Vec<Vec<Vec<f64>>>, _>>()
-            .map_err(failed)?;
+            .map_err(refused)?;
         Ok(Filtered { rows, measured: segment.measurement.clone().unwrap_or_default() })
     }
 

@@ -14,7 +14,6 @@ const GOOD_ENOUGH: f64 = 0.8;
 /// Shares of rows that are lost, for weak, medium and strong: such a fault has no torque to be measured by.
 const LOST: [f64; 3] = [0.005, 0.02, 0.06];
 
-/// Lost rows of a strength.
 fn lost(added: &Added, strength: Strength) -> Option<Added> {
     let share = Strength::ALL.iter().zip(LOST).find(|(s, _)| **s == strength).map(|l| l.1);
     share.filter(|_| added.is_loss_of_rows()).map(|share| added.of_size(share))

@@ -51,9 +51,6 @@ impl InjectedWorld {
 
     /// Makes one case from its seed: the effects in the targets and what is held out, or in all recordings. A null is the
     /// recordings as they are, in other roles than those of its reference.
-    ///
-    /// # Errors
-    /// Effects that cannot be added to these recordings.
     pub fn make(&self, request: &InjectedRequest, seed: u64, name: &str) -> Result<Case, SimulationError> {
         match &request.roles {
             Some(roles) => self.null(&request.case, roles, seed, name),

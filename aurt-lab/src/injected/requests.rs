@@ -32,15 +32,11 @@ pub struct InjectedRequest {
 /// ```
 #[derive(Debug, Clone)]
 pub struct InjectedWorld {
-    /// The recordings.
     pub injection: Injection,
 }
 
 impl InjectedWorld {
     /// Reads an experiment and prepares its recordings for effects to be added; the file's stem names the robot.
-    ///
-    /// # Errors
-    /// What is wrong with the experiment or its recordings.
     pub fn read(path: &Path, registry: &mut Registry) -> Result<Self, Failure> {
         let experiment = Experiment::read(path, registry)?;
         let real = plain(&experiment)?;
@@ -55,7 +51,6 @@ impl InjectedWorld {
     }
 
     /// All splits of the recordings into roles.
-    #[must_use]
     pub fn splits(&self) -> Vec<Split> {
         [Presence::Changed, Presence::All]
             .into_iter()
@@ -64,7 +59,6 @@ impl InjectedWorld {
     }
 
     /// Names of the references: the recordings as they are, in the roles of each split.
-    #[must_use]
     pub fn references(&self) -> Vec<String> {
         self.splits().iter().map(|split| split.reference_name(&self.injection.real().name)).collect()
     }
@@ -115,7 +109,6 @@ impl InjectedWorld {
     }
 
     /// The sentence on nulls that a plan asks for and these recordings do not have.
-    #[must_use]
     pub fn missing_nulls(&self, plan: &Plan) -> Option<String> {
         let recordings = self.injection.recorded().len();
         let (asked, distinct) = (nulls(plan), Split::assignments(recordings).len());

@@ -39,9 +39,6 @@ pub struct Options {
 /// Makes, diagnoses and forgets the cases of a world, on all cores. Cases that were diagnosed before are skipped, so that
 /// a proof that was interrupted goes on; what a killed one had no time to forget is forgotten. What could not be made or
 /// diagnosed is written down, and the others go on.
-///
-/// # Errors
-/// Files that cannot be written, a diagnosis that cannot be started.
 pub fn prove(
     source: &dyn Source,
     place: &Place,
@@ -218,10 +215,12 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
         .envs([options.trust.environment()])
         .stdin(Stdio::null())
         .output()
-        .map_err(|error| Failure::Argument {
-            option: "--program",
-            reason: format!("{} cannot be run: {error}", options.program.display()),
-            remedy: "name an executable of aurt".into(),
+        .map_err(|error| {
+            Failure::argument(
+                "--program",
+                format!("{} cannot be run: {error}", options.program.display()),
+                "name an executable of aurt",
+            )
         })?;
     if out.join(VERDICT).exists() && matches!(done.status.code(), Some(0 | 1)) {
         return Ok(());
@@ -232,9 +231,6 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
 }
 
 /// What could not be made or diagnosed: the case, and why.
-///
-/// # Errors
-/// Folders that cannot be read.
 pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
     let mut found = BTreeMap::new();
     let stem = |path: &Path| path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();

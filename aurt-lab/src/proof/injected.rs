@@ -23,9 +23,6 @@ struct Injected {
 }
 
 /// The cases of all experiments, one after the other, or why there are none.
-///
-/// # Errors
-/// Experiments that are wrong, recordings that cannot be read.
 pub fn source(
     ingredients: &Ingredients,
     registry: &mut Registry,

@@ -10,20 +10,17 @@ use crate::{
 use serde_json::json;
 
 /// Writes what the scores of proofs teach.
-///
-/// # Errors
-/// Proofs without a finding; a file that cannot be written.
 pub fn learn(path: &Path, scores: &[(World, u64, Vec<CaseScore>)]) -> Result<Learnt, Failure> {
     let output = OutputFile::new("--learn", path, &[])?;
     let proofs: Vec<(World, u64, &[CaseScore])> =
         scores.iter().map(|(world, seed, scores)| (*world, *seed, scores.as_slice())).collect();
     let learnt = Learnt::of(&proofs);
     if learnt.confidence.curves.is_empty() {
-        return Err(Failure::Argument {
-            option: "--learn",
-            reason: "there is no finding with evidence to learn from".into(),
-            remedy: "name finished proofs with --proof".into(),
-        });
+        return Err(Failure::argument(
+            "--learn",
+            "there is no finding with evidence to learn from",
+            "name finished proofs with --proof",
+        ));
     }
     output.write(pretty(&json!(learnt)).as_bytes())?;
     Ok(learnt)

@@ -29,7 +29,6 @@ pub use shard::{Shard, collect};
 pub use source::{Ingredients, Source};
 pub use worlds::source;
 
-/// The verdict of a diagnosis.
 pub const VERDICT: &str = "verdict.json";
 /// What simpler methods would have said, beside it.
 pub const COMPARISON: &str = "comparison.json";

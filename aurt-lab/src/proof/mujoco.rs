@@ -31,9 +31,6 @@ pub struct Mujoco {
 
 impl Mujoco {
     /// The cases of a plan, or why there are none on this machine.
-    ///
-    /// # Errors
-    /// A plan that the program refuses, or an answer that is no list of cases.
     pub fn new(ingredients: &Ingredients, place: &Place) -> Result<Result<Self, String>, Failure> {
         let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
         let program = std::env::var_os(PROGRAM).map_or_else(|| PathBuf::from(OWN_PROGRAM), PathBuf::from);

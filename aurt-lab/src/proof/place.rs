@@ -28,7 +28,6 @@ pub struct Proof {
     /// Lines on cases that the plan asks for and the world does not have.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
-    /// Which cases they are.
     pub plan: Plan,
 }
 
@@ -43,7 +42,6 @@ impl Place {
         Self { root: proof.join(world.name()) }
     }
 
-    /// The folder.
     pub fn root(&self) -> &Path {
         &self.root
     }
@@ -63,7 +61,6 @@ impl Place {
         self.root.join("sealed")
     }
 
-    /// Folder of the verdicts.
     pub fn verdicts(&self) -> PathBuf {
         self.root.join("verdicts")
     }
@@ -106,12 +103,12 @@ impl Place {
         if let Some(other) = self.proof()?
             && other != *proof
         {
-            return Err(Failure::Output {
-                option: "--out",
-                path: self.root.clone(),
-                reason: "holds a proof of another plan or seed".into(),
-                remedy: "name another folder".into(),
-            });
+            return Err(Failure::output(
+                "--out",
+                &self.root,
+                "holds a proof of another plan or seed",
+                "name another folder",
+            ));
         }
         for folder in self.results().into_iter().chain([self.cases(), self.references()]) {
             fs::create_dir_all(&folder).map_err(|source| Failure::write(folder, source))?;
@@ -121,9 +118,6 @@ impl Place {
     }
 
     /// Which proof the folder holds, if any.
-    ///
-    /// # Errors
-    /// A file that is none of ours.
     pub fn proof(&self) -> Result<Option<Proof>, Failure> {
         let path = self.root.join(PROOF);
         let Ok(text) = fs::read_to_string(&path) else { return Ok(None) };

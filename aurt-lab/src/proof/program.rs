@@ -21,13 +21,8 @@ pub fn program(named: Option<&Path>) -> Result<PathBuf, Failure> {
             beside.into_iter().chain(in_path.map(|folder| folder.join(&name))).find(|path| path.is_file())
         }
     };
-    found.ok_or_else(|| Failure::Argument {
-        option: "--program",
-        reason: match named {
+    found.ok_or_else(|| Failure::argument("--program", match named {
             Some(named) => format!("{} is no file", named.display()),
             None => format!("there is no `{name}` in the folder of this program nor in PATH"),
-        },
-        remedy: "name the executable of aurt with --program, or build it there: `cargo build --release -p aurt-cli`"
-            .into(),
-    })
+        }, "name the executable of aurt with --program, or build it there: `cargo build --release -p aurt-cli`"))
 }

@@ -21,20 +21,15 @@ const METHODS: [&str; 3] = ["best_single", "lasso", "stlsq"];
 /// What a folder has proved so far.
 #[derive(Debug)]
 pub struct Proven {
-    /// The tables.
     pub text: String,
     /// The same and every case's score.
     pub json: Value,
     /// Whether cases could not be made or diagnosed.
     pub is_incomplete: bool,
-    /// World, seed and scores.
     pub scores: Vec<(World, u64, Vec<CaseScore>)>,
 }
 
 /// Scores all worlds of a folder.
-///
-/// # Errors
-/// Files that cannot be read; a folder without a verdict.
 pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, Failure> {
     let mut text = String::new();
     let mut scores: Vec<(World, u64, Vec<CaseScore>)> = Vec::new();
@@ -68,11 +63,11 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
         scores.push((world, proof.seed, all));
     }
     if scores.is_empty() && skipped.is_empty() {
-        return Err(Failure::Argument {
-            option: "--out",
-            reason: format!("{} holds no proof", out.display()),
-            remedy: "make one with `aurt-lab prove --seed 7 --out DIR`".into(),
-        });
+        return Err(Failure::argument(
+            "--out",
+            format!("{} holds no proof", out.display()),
+            "make one with `aurt-lab prove --seed 7 --out DIR`",
+        ));
     }
     for (world, reason) in skipped {
         let _ = writeln!(text, "world {}: skipped: {reason}", world.name());

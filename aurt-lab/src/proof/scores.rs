@@ -40,26 +40,22 @@ pub fn reference_folder(name: &str) -> String {
 }
 
 /// Scores the verdicts of a folder; a case without a verdict is left out, one whose diagnosis failed is wrong.
-///
-/// # Errors
-/// Files that cannot be read; folders without a single case.
 pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
     if truths(sealed)?.is_empty() {
-        return Err(Failure::Argument {
-            option: "--sealed",
-            reason: format!("{} holds no truths", sealed.display()),
-            remedy: "name the folder that `aurt-lab conceal --sealed` wrote".into(),
-        });
+        return Err(Failure::argument(
+            "--sealed",
+            format!("{} holds no truths", sealed.display()),
+            "name the folder that `aurt-lab conceal --sealed` wrote",
+        ));
     }
     let scores = scores_so_far(sealed, verdicts, whose)?;
     if scores.is_empty() {
-        return Err(Failure::Argument {
-            option: "--verdicts",
-            reason: format!("{} holds no verdict on a case of {}", verdicts.display(), sealed.display()),
-            remedy: "each case needs a folder of its name with a verdict.json, and cases of real recordings one named \
-                     reference_NAME with the verdict on these as they are"
-                .into(),
-        });
+        return Err(Failure::argument(
+            "--verdicts",
+            format!("{} holds no verdict on a case of {}", verdicts.display(), sealed.display()),
+            "each case needs a folder of its name with a verdict.json, and cases of real recordings one named \
+                     reference_NAME with the verdict on these as they are",
+        ));
     }
     Ok(scores)
 }
@@ -91,9 +87,6 @@ fn elsewhere(place: &Path, name: &str, own: &Claim, whose: &Verdicts) -> Result<
 }
 
 /// The same of a proof that may not have come to its first verdict.
-///
-/// # Errors
-/// Files that cannot be read.
 pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
     let mut scores = Vec::new();
     let mut references: BTreeMap<String, Option<KnownClaims>> = BTreeMap::new();
@@ -133,9 +126,6 @@ pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result
 
 /// Adds to scores what the oracle saw of their cases; `own` has the verdicts of the diagnosis, `oracle` those of diagnoses
 /// that examined the true effect alone.
-///
-/// # Errors
-/// Files that cannot be read.
 pub fn add_oracle(scores: &mut [CaseScore], sealed: &Path, own: &Path, oracle: &Path) -> Result<(), Failure> {
     let whose = Verdicts::Oracle { own: own.to_owned() };
     for of_oracle in scores_so_far(sealed, oracle, &whose)? {
@@ -147,9 +137,6 @@ pub fn add_oracle(scores: &mut [CaseScore], sealed: &Path, own: &Path, oracle: &
 }
 
 /// Adds to scores the claims by which the variants of their cases differ from them, as far as these were diagnosed.
-///
-/// # Errors
-/// Files that cannot be read.
 pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failure> {
     let claims = |folder: PathBuf| -> Result<Option<ClaimSet>, Failure> {
         Ok(claim(&folder, &Verdicts::Own)?.map(|claim| ClaimSet::of(&claim)))
@@ -174,7 +161,6 @@ pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failu
     Ok(())
 }
 
-/// What a folder says of a case.
 fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
     if let Verdicts::Method(name) = whose {
         return method(&folder.join(COMPARISON), name);
@@ -191,10 +177,12 @@ fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
 
 /// The truths of a folder, sorted.
 fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let entries = fs::read_dir(sealed).map_err(|error| Failure::Argument {
-        option: "--sealed",
-        reason: format!("{} cannot be read: {error}", sealed.display()),
-        remedy: "name the folder that `aurt-lab conceal --sealed` wrote".into(),
+    let entries = fs::read_dir(sealed).map_err(|error| {
+        Failure::argument(
+            "--sealed",
+            format!("{} cannot be read: {error}", sealed.display()),
+            "name the folder that `aurt-lab conceal --sealed` wrote",
+        )
     })?;
     let mut paths: Vec<PathBuf> = entries
         .filter_map(Result::ok)

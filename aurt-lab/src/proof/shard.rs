@@ -50,9 +50,6 @@ impl FromStr for Shard {
 }
 
 /// Copies what parts of a proof have found into one folder; what is there already stays.
-///
-/// # Errors
-/// Folders that hold no proof, or another one; files that cannot be copied.
 pub fn collect(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
     for part in parts {
         let mut found = false;
@@ -67,11 +64,11 @@ pub fn collect(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
             }
         }
         if !found {
-            return Err(Failure::Argument {
-                option: "--collect",
-                reason: format!("{} holds no proof", part.display()),
-                remedy: "name folders that `aurt-lab prove --out` wrote".into(),
-            });
+            return Err(Failure::argument(
+                "--collect",
+                format!("{} holds no proof", part.display()),
+                "name folders that `aurt-lab prove --out` wrote",
+            ));
         }
     }
     Ok(())

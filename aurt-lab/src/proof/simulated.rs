@@ -23,9 +23,6 @@ pub struct Simulated {
 
 impl Simulated {
     /// The cases of a plan.
-    ///
-    /// # Errors
-    /// Plans that are wrong.
     pub fn new(world: World, ingredients: &Ingredients) -> Result<Self, Failure> {
         let (plan, seed) = (ingredients.plan.clone(), ingredients.seed);
         let is_servo = world == World::Servo;

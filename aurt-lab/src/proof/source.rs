@@ -7,9 +7,7 @@ use serde::Deserialize;
 /// A case that is to be made: what a proof has to know of it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Planned {
-    /// What it is about.
     pub case_type: CaseType,
-    /// Identifiers of its effects.
     pub effects: Vec<String>,
 }
 
@@ -25,9 +23,6 @@ pub trait Source: Sync {
     fn planned(&self) -> &[Planned];
 
     /// Writes the folder of a case into `cases` and its truth into `sealed`; or says why it cannot be made.
-    ///
-    /// # Errors
-    /// The reason, as a person reads it.
     fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
 
     /// Lines on cases that the plan asks for and the world does not have.
@@ -46,9 +41,6 @@ pub trait Source: Sync {
     }
 
     /// Those recordings.
-    ///
-    /// # Errors
-    /// If there are none of that name.
     fn reference(&self, name: &str) -> Result<Case, SimulationError> {
         Err(SimulationError::Unreadable { path: name.into(), reason: "this world has no references".into() })
     }
@@ -57,7 +49,6 @@ pub trait Source: Sync {
 /// What cases are made from.
 #[derive(Debug, Clone)]
 pub struct Ingredients {
-    /// Which cases.
     pub plan: Plan,
     /// Seed of all random numbers.
     pub seed: u64,

@@ -21,13 +21,10 @@ pub enum Variant {
     Degrees,
     /// Every second recording outside the targets, from the first; no targets.
     FirstHalf,
-    /// The others.
     SecondHalf,
 }
 
-/// The experiment of a case.
 const EXPERIMENT: &str = "experiment.toml";
-/// The roles of recordings.
 const ROLES: [&str; 3] = ["calibration", "target", "validation"];
 /// `f_dyn_hz` without the key.
 const F_DYN_HZ: f64 = 10.0;
@@ -43,7 +40,6 @@ type NamedFiles = Vec<(String, Vec<u8>)>;
 type Unfit = &'static str;
 
 impl Variant {
-    /// All.
     pub const ALL: [Self; 7] = [
         Self::FDynHalved,
         Self::FDynDoubled,
@@ -73,9 +69,6 @@ impl Variant {
     }
 
     /// The files of the variant of a case, or why the case does not have it.
-    ///
-    /// # Errors
-    /// A case whose files cannot be read.
     pub fn files(self, case: &Path) -> Result<Result<NamedFiles, Unfit>, Failure> {
         let mut files = read(case)?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -136,7 +129,6 @@ impl Variant {
     }
 }
 
-/// The files of a folder.
 fn read(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let fail = |source| Failure::write(folder.to_owned(), source);
     let mut files = Vec::new();
@@ -149,7 +141,6 @@ fn read(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     Ok(files)
 }
 
-/// Whether a file of a case is a recording.
 fn is_recording(name: &str) -> bool {
     name.starts_with("recording") && name.ends_with(".csv")
 }
@@ -196,7 +187,6 @@ fn in_degrees(csv: &str) -> String {
     text
 }
 
-/// The recordings of a role.
 fn list<'a>(recordings: &'a mut dyn TableLike, role: &str) -> Option<&'a mut Array> {
     recordings.get_mut(role).and_then(Item::as_array_mut)
 }

@@ -11,9 +11,6 @@ use super::{
 use crate::{case::World, product::Failure};
 
 /// The source of a world's cases, or why there is none on this machine.
-///
-/// # Errors
-/// Plans and experiments that are wrong.
 pub fn source(
     world: World,
     ingredients: &Ingredients,

@@ -11,7 +11,6 @@ use crate::case::World;
 /// many cases of each were made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scoreboard {
-    /// A board for every world that has cases.
     pub worlds: BTreeMap<World, WorldBoard>,
     /// Worlds that could not be made here, and why.
     pub skipped: BTreeMap<World, String>,
@@ -20,7 +19,6 @@ pub struct Scoreboard {
 impl Scoreboard {
     /// The board of a set of scores. Where there are several worlds, the confidences of each are also those of the curve
     /// that is learnt on the others.
-    #[must_use]
     pub fn of(scores: &[CaseScore]) -> Self {
         let mut by_world: BTreeMap<World, Vec<CaseScore>> = BTreeMap::new();
         for score in scores {

@@ -23,23 +23,16 @@ const IMPROVABLE: f64 = 0.2;
 /// How one verdict did. The parts are counted each for itself; `right` is all of them together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseScore {
-    /// The case.
     pub case: String,
-    /// The world that made it.
     pub world: World,
-    /// The robot.
     pub robot: String,
-    /// What it is about.
     pub case_type: CaseType,
-    /// How strong its effects are.
     pub strength: Strength,
     /// The effect that the diagnosis was not allowed to know.
     pub removed: Option<String>,
-    /// Identifiers of what is in it.
     pub truth: Vec<String>,
     /// Whether the same is claimed of the recordings without the effects: nothing can be found that is new.
     pub known_before: bool,
-    /// The answer that was given.
     pub answer: Answer,
     /// Identifiers that were named and are news, without repetition.
     pub named: Vec<String>,
@@ -90,7 +83,6 @@ pub struct CaseScore {
     pub joint_f1: Option<f64>,
     /// Intersection over union of the windows, where the truth has one and it was named.
     pub window_overlap: Option<f64>,
-    /// Errors of the parameters that both have.
     pub parameter_errors: Vec<ParameterError>,
     /// Share of the possible held-out improvement that was recovered.
     pub recovered: Option<f64>,
@@ -101,11 +93,8 @@ pub struct CaseScore {
 /// A finding, what was said for it, and whether it is true.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoredFinding {
-    /// Identifier.
     pub effect: String,
-    /// Confidence that was printed.
     pub confidence: f64,
-    /// Evidence, by name.
     pub evidence: BTreeMap<String, f64>,
     /// Whether other effects are said to do as well.
     pub ambiguous: bool,
@@ -115,7 +104,6 @@ pub struct ScoredFinding {
 
 /// Scores a verdict against the truth. `removed` is the effect that the diagnosis was not allowed to know, `reference`
 /// the verdict on the same recordings without the effects.
-#[must_use]
 pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Option<&Claim>) -> CaseScore {
     let of_change_alone = is_of_change_alone(truth);
     let background = Background::new(truth, reference.filter(|_| !of_change_alone));
@@ -192,7 +180,6 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
 
 impl CaseScore {
     /// Whether the true effect is claimed, on its joints and in its kinds of recordings, whatever else is.
-    #[must_use]
     pub fn sees(&self) -> bool {
         self.anywhere && self.joints_right != Some(false) && self.presence_right != Some(false)
     }

@@ -8,13 +8,11 @@ use aurt_simulation::SimulationError;
 
 use super::share::Share;
 
-/// The answer of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// Nothing is missing.
     NoMismatch,
-    /// What is missing has a name.
     Named,
     /// One of a class, of programs that have a word for it.
     Ambiguous,
@@ -30,19 +28,16 @@ pub enum Answer {
 
 impl Answer {
     /// Whether the answer gives what is missing a name.
-    #[must_use]
     pub const fn names(self) -> bool {
         matches!(self, Self::Named | Self::Ambiguous | Self::PartlyExplained)
     }
 
     /// Whether the answer says that something is missing beside what has a name.
-    #[must_use]
     pub const fn leaves_something(self) -> bool {
         matches!(self, Self::PartlyExplained | Self::Unexplained | Self::HeldOutDiffers)
     }
 
     /// Its name in files and tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoMismatch => "no_mismatch",
@@ -87,7 +82,6 @@ pub struct ClaimedRemainder {
 /// A share, without its deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct ClaimedShare {
-    /// The share.
     pub value: f64,
 }
 
@@ -97,9 +91,7 @@ const BETTER: f64 = 0.0975;
 /// An effect that a verdict names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedEffect {
-    /// Identifier.
     pub effect: String,
-    /// Joints.
     #[serde(default)]
     pub joints: Vec<usize>,
     /// Kinds of recordings that have it.
@@ -108,13 +100,11 @@ pub struct ClaimedEffect {
     /// When it acts, s.
     #[serde(default)]
     pub window_s: Option<[f64; 2]>,
-    /// How sure the verdict is.
     #[serde(default)]
     pub confidence: Option<f64>,
     /// Parameters: `{name: {value, std}}`.
     #[serde(default)]
     pub parameters: BTreeMap<String, ClaimedValue>,
-    /// What else it could be.
     #[serde(default)]
     pub alternatives: Vec<ClaimedAlternative>,
     /// Evidence: its score, and what else is said for it. What is no number is not used.
@@ -122,7 +112,6 @@ pub struct ClaimedEffect {
     pub evidence: BTreeMap<String, Value>,
 }
 
-/// A claimed parameter.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedValue {
     /// A number, or a list along the joints.
@@ -132,12 +121,9 @@ pub struct ClaimedValue {
     pub std: Value,
 }
 
-/// A claimed alternative.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedAlternative {
-    /// Identifier.
     pub effect: String,
-    /// Joints that it would be on.
     #[serde(default)]
     pub joints: Vec<usize>,
 }
@@ -146,9 +132,7 @@ pub struct ClaimedAlternative {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct ClaimedHeldOut {
-    /// Before.
     pub rms_before: Vec<f64>,
-    /// With what is named.
     pub rms_after: Vec<f64>,
 }
 
@@ -159,13 +143,11 @@ pub(super) fn is_change(present_in: &[String]) -> bool {
 
 impl ClaimedEffect {
     /// Whether it is claimed of the later recordings alone.
-    #[must_use]
     pub fn is_change(&self) -> bool {
         is_change(&self.present_in)
     }
 
     /// Its evidence as far as it is finite numbers, by name.
-    #[must_use]
     pub fn numbers(&self) -> BTreeMap<String, f64> {
         let number = |(name, value): (&String, &Value)| {
             Some((name.clone(), value.as_f64().filter(|v| v.is_finite())?))
@@ -177,9 +159,6 @@ impl ClaimedEffect {
 
 impl Claim {
     /// Reads a `verdict.json`.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
         let read = crate::json_file::read(path)?;
@@ -195,7 +174,6 @@ impl Claim {
     }
 
     /// What a diagnosis that gave no verdict claims: nothing, and not even that.
-    #[must_use]
     pub fn failed() -> Self {
         Self {
             verdict: Answer::Failed,
@@ -207,13 +185,11 @@ impl Claim {
     }
 
     /// Joints on which a black box is better than the improved model, of those on which it was judged.
-    #[must_use]
     pub fn rival_better(&self) -> Share {
         Share::counted(self.remainder.iter().filter_map(|r| r.predictable), |p| p.value > BETTER)
     }
 
     /// The answer to what has changed, or to what is missing in all recordings.
-    #[must_use]
     pub fn answer(&self, change: bool) -> Answer {
         if change { self.verdict } else { self.structure.unwrap_or(self.verdict) }
     }

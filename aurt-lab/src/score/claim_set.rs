@@ -21,7 +21,6 @@ struct SingleClaim {
 
 impl ClaimSet {
     /// The claims of a verdict; a diagnosis without a verdict has a member of its own.
-    #[must_use]
     pub fn of(claim: &Claim) -> Self {
         let mut set = BTreeSet::new();
         if claim.verdict == Answer::Failed {
@@ -43,7 +42,6 @@ impl ClaimSet {
     }
 
     /// Whether the diagnosis gave no verdict.
-    #[must_use]
     pub fn is_failed(&self) -> bool {
         self.0.iter().any(|one| one.effect == Answer::Failed.name())
     }
@@ -56,7 +54,6 @@ impl ClaimSet {
     }
 
     /// The difference from another set: claims that appear here, and those of the other that vanish.
-    #[must_use]
     pub fn difference(&self, from: &Self) -> ClaimDifference {
         // What a diagnosis without a verdict would have claimed is unknown.
         let list = |of: &Self, other: &Self| {
@@ -101,7 +98,6 @@ pub struct ClaimDifference {
 
 impl ClaimDifference {
     /// Whether both verdicts have the same claims.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.appeared.is_empty() && self.vanished.is_empty()
     }

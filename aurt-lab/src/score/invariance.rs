@@ -24,7 +24,6 @@ pub struct Invariance {
 /// The claims by which a variant differs from its case, or the second half of a reference from the first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VariantDifference {
-    /// The case.
     pub case: String,
     /// The variant, or [`HALVES`].
     pub variant: String,
@@ -37,7 +36,6 @@ pub const HALVES: &str = "halves";
 
 impl Invariance {
     /// The agreement of some cases; none without a variant.
-    #[must_use]
     pub fn of(scores: &[&CaseScore]) -> Option<Self> {
         let mut all = Self::default();
         for score in scores {

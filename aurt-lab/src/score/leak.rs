@@ -15,9 +15,6 @@ const CONTAINING: [&str; 1] = ["torque_constants_nm_per_a ="];
 
 /// What a case's folder gives away of the truth: files that a diagnosis has no use for, words of the sealed truth,
 /// names of the effects, the seed. Recordings may hold numbers only, below one line of column names.
-///
-/// # Errors
-/// [`SimulationError::Io`].
 pub fn leaks(folder: impl AsRef<Path>, truth: &Truth) -> Result<Vec<String>, SimulationError> {
     let folder = folder.as_ref();
     let io = |source| SimulationError::Io { path: folder.into(), source };

@@ -15,7 +15,6 @@ pub const SCHEMA: u32 = 1;
 pub struct Learnt {
     /// Version of the file's form.
     pub schema: u32,
-    /// The proofs that it was learnt from.
     pub learnt_from: Vec<LearntFrom>,
     /// How often findings are right, by their evidence.
     pub confidence: Curves,
@@ -27,13 +26,9 @@ pub struct Learnt {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearntFrom {
-    /// The world.
     pub world: World,
-    /// Seed of the proof.
     pub seed: u64,
-    /// Cases.
     pub cases: usize,
-    /// Findings in them.
     pub findings: usize,
     /// Findings that were right.
     pub hits: usize,
@@ -54,7 +49,6 @@ pub struct Curves {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// Findings.
     pub findings: usize,
     /// Those that were right.
     pub hits: usize,
@@ -69,7 +63,6 @@ impl Rate {
     }
 
     /// The rate by Laplace's rule of succession: the mean of what it can be when nothing was known before.
-    #[must_use]
     pub fn rate(&self) -> f64 {
         (self.hits as f64 + 1.0) / (self.findings as f64 + 2.0)
     }
@@ -81,7 +74,6 @@ const SCORE: &str = "score";
 impl Learnt {
     /// Learns from the scores of proofs: world, seed, scores. Findings under every answer count, those under
     /// `unexplained` as well; cases whose candidate was removed have none.
-    #[must_use]
     pub fn of(proofs: &[(World, u64, &[CaseScore])]) -> Self {
         let learnt_from = proofs
             .iter()
@@ -102,8 +94,6 @@ impl Learnt {
         }
     }
 
-    /// The confidence of a finding.
-    #[must_use]
     pub fn confidence(&self, finding: &ScoredFinding) -> f64 {
         if finding.ambiguous {
             return self.ambiguous.rate();
@@ -137,7 +127,6 @@ impl Curves {
     }
 
     /// The hit rate at some evidence: by what tells most, else by the score; none where neither is there.
-    #[must_use]
     pub fn rate(&self, evidence: &BTreeMap<String, f64>) -> Option<f64> {
         let by = |name: &str| Some(interpolated(self.curves.get(name)?, *evidence.get(name)?));
         by(&self.by).or_else(|| by(SCORE))

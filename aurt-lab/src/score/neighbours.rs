@@ -38,7 +38,6 @@ const PAIRS: [(&str, &str); 28] = [
 /// assert_eq!(neighbours("spring"), ["torque_ripple"]);
 /// assert!(neighbours("external_contact").is_empty());
 /// ```
-#[must_use]
 pub fn neighbours(effect: &str) -> Vec<&'static str> {
     PAIRS
         .iter()

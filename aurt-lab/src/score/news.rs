@@ -21,7 +21,6 @@ pub(super) enum Sameness {
 }
 
 impl Sameness {
-    /// Whether two names are the same.
     pub fn same(self, a: &str, b: &str) -> bool {
         a == b || self == Self::Class && CLASS.contains(&a) && CLASS.contains(&b)
     }
@@ -44,7 +43,6 @@ struct Known<'a> {
 /// A claim that is no old one.
 #[derive(Debug, Clone)]
 pub(super) struct News<'a> {
-    /// Identifier.
     pub effect: &'a str,
     /// The joints of it that are new, or true.
     pub joints: Vec<usize>,
@@ -84,7 +82,6 @@ impl<'a> Background<'a> {
             .filter(move |k| (anywhen || k.change == change) && Sameness::Class.same(k.effect, effect))
     }
 
-    /// Whether an effect on a joint is known.
     pub fn has_on(&self, effect: &str, change: bool, joint: usize) -> bool {
         self.of(effect, change).any(|k| k.joints.contains(&joint))
     }
@@ -166,7 +163,6 @@ impl News<'_> {
             || alternatives && self.alternatives.iter().any(|a| sameness.same(&a.effect, effect))
     }
 
-    /// The joints that it would be on as that effect.
     pub fn joints_as(&self, effect: &str, sameness: Sameness) -> &[usize] {
         if sameness.same(self.effect, effect) {
             return &self.joints;

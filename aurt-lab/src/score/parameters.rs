@@ -7,7 +7,6 @@ use crate::case::{TrueEffect, Truth};
 /// How far a claimed parameter is off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterError {
-    /// Effect.
     pub effect: String,
     /// Canonical name.
     pub parameter: String,
@@ -19,13 +18,11 @@ pub struct ParameterError {
 
 impl ParameterError {
     /// Whether the truth is within two claimed standard deviations; none where none is claimed.
-    #[must_use]
     pub fn is_covered(&self) -> Option<bool> {
         self.in_std.map(|z| z.abs() <= 2.0)
     }
 }
 
-/// Errors of the parameters that both the truth and the claims have.
 pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterError> {
     let mut errors = Vec::new();
     for effect in &truth.effects {

@@ -7,9 +7,7 @@ use super::share::{Share, mean};
 /// How often findings of about one confidence were right.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bin {
-    /// Confidence from.
     pub from: f64,
-    /// To.
     pub to: f64,
     /// Mean confidence that was claimed.
     pub claimed: f64,
@@ -31,7 +29,6 @@ pub struct Reliability {
 const EDGES: [f64; 8] = [0.0, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95];
 
 impl Reliability {
-    /// Of findings, with the confidence that each is given.
     pub(super) fn of(findings: &[&ScoredFinding], confidence: impl Fn(&ScoredFinding) -> f64) -> Self {
         let claims: Vec<(f64, bool)> = findings.iter().map(|f| (confidence(f), f.hit)).collect();
         let uppers = EDGES[1..].iter().copied().chain([f64::INFINITY]);

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 pub struct Share {
     /// Those that are right (or whatever is counted).
     pub count: usize,
-    /// All.
     pub of: usize,
 }
 
@@ -20,14 +19,12 @@ impl Share {
         })
     }
 
-    /// Counts one more.
     pub const fn count(&mut self, is: bool) {
         self.count += is as usize;
         self.of += 1;
     }
 
     /// The share, none of nothing.
-    #[must_use]
     pub fn ratio(&self) -> Option<f64> {
         (self.of > 0).then(|| self.count as f64 / self.of as f64)
     }

@@ -12,7 +12,6 @@ const NOTHING: &str = "–";
 
 impl Scoreboard {
     /// The board as Markdown tables, each with a column for every world.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = self.summary();
         text.push_str(&self.flagged());

@@ -29,7 +29,6 @@ pub struct Singles {
     pub with_alternatives: Share,
     /// Family of the first label right.
     pub family: Share,
-    /// Label anywhere.
     pub anywhere: Share,
     /// A verdict that names an effect, whichever it is.
     pub named: Share,
@@ -49,7 +48,6 @@ pub struct Singles {
     pub coverage: Share,
     /// Median relative error of the parameters.
     pub parameter_error: Option<f64>,
-    /// Mean overlap of windows.
     pub window_overlap: Option<f64>,
     /// Mean share of the possible held-out improvement that was recovered, of all cases, right or wrong.
     pub recovered: Option<f64>,
@@ -57,7 +55,6 @@ pub struct Singles {
 
 impl Singles {
     /// Counts some cases.
-    #[must_use]
     pub fn of(scores: &[&CaseScore]) -> Self {
         let share = |is: fn(&&CaseScore) -> bool| Share::counted(scores.iter().copied(), is);
         let mean_of = |value: fn(&CaseScore) -> Option<f64>| mean(scores.iter().filter_map(|s| value(s)));
@@ -91,18 +88,14 @@ impl Singles {
 /// What became of the cases of one effect at one strength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectRow {
-    /// Identifier.
     pub effect: String,
-    /// Strength.
     pub strength: Strength,
-    /// The counts.
     pub counts: Singles,
 }
 
 /// How often an effect was called something else.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Confusion {
-    /// What it was.
     pub truth: String,
     /// What it was called: the answer if it is no naming one, else the first label, with what is wrong if not that.
     pub called: String,
@@ -119,13 +112,10 @@ pub struct WorldBoard {
     pub known_before: usize,
     /// Diagnoses that gave no verdict; they count as wrong everywhere.
     pub failed: usize,
-    /// Singles at each strength.
     pub singles: BTreeMap<Strength, Singles>,
-    /// Pairs of which all is right.
     pub pairs: Share,
     /// Pairs of which both were named before anything else, whatever the verdict.
     pub pairs_first_labels: Share,
-    /// Effects of pairs that were named at all.
     pub effects_of_pairs: Share,
     /// Nulls in which something was said to be missing.
     pub nulls_flagged: Share,
@@ -149,11 +139,9 @@ pub struct WorldBoard {
     /// Agreement of variants with their cases, where these were diagnosed.
     #[serde(default)]
     pub invariance: Option<Invariance>,
-    /// Effect by effect.
     pub effects: Vec<EffectRow>,
     /// What was called something else, most frequent first.
     pub confusion: Vec<Confusion>,
-    /// What the printed confidences are worth.
     pub reliability: Reliability,
     /// What confidences learnt on the other worlds are worth, where there are others.
     pub reliability_learnt_elsewhere: Option<Reliability>,
@@ -161,7 +149,6 @@ pub struct WorldBoard {
 
 impl WorldBoard {
     /// The board of the scores of one world; `elsewhere` was learnt on the others.
-    #[must_use]
     pub fn of(scores: &[CaseScore], elsewhere: Option<&Learnt>) -> Self {
         let own: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_none()).collect();
         let known_before = own.iter().filter(|s| s.known_before).count();
@@ -277,7 +264,6 @@ fn called(score: &CaseScore) -> String {
     format!("{label}, {}", wrong.join(", "))
 }
 
-/// All findings of a set of scores.
 fn findings(scores: &[CaseScore]) -> Vec<&ScoredFinding> {
     scores.iter().flat_map(|s| &s.findings).collect()
 }

@@ -28,8 +28,6 @@ impl Outcome {
     /// All, in the order of tables.
     pub const ALL: [Self; 5] = [Self::Told, Self::Refused, Self::Doubted, Self::Accused, Self::Silent];
 
-    /// Its name.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Told => "told",
@@ -44,15 +42,11 @@ impl Outcome {
 /// A setup and what was said of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Answer {
-    /// Its name.
     pub name: String,
-    /// The robot and its recordings.
     pub setup: String,
     /// The mistake that was made, with its joint or size.
     pub mistake: Option<[String; 2]>,
-    /// How it was answered.
     pub outcome: Outcome,
-    /// What was said.
     pub said: Vec<String>,
     /// Held-out error of the setup as it is.
     pub error: Option<f64>,

@@ -9,15 +9,12 @@ use super::{Answer, Kind, Outcome};
 pub struct Board {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Of setups without a mistake.
     pub right: Vec<Answer>,
-    /// Of setups with one.
     pub wrong: Vec<Answer>,
 }
 
 impl Board {
     /// Tables in Markdown.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let row = |what: &str, of: &[&Answer]| {

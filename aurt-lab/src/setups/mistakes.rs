@@ -10,9 +10,7 @@ use super::setup::{Geometry, Log, Setup, file_name};
 /// A mistake that was made.
 #[derive(Debug, Clone)]
 pub struct Kind {
-    /// What kind of mistake it is.
     pub name: &'static str,
-    /// Of what joint or size.
     pub detail: String,
     /// What tells it with its cure: all words of one of these.
     pub cures: Vec<Vec<String>>,

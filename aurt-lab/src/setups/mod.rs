@@ -24,16 +24,12 @@ use setup::Setup;
 pub struct Counted {
     /// Setups without a mistake.
     pub right: usize,
-    /// Setups with one.
     pub wrong: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 /// Makes setups, asks `program check` about each, and forgets its files unless `keep` is set.
-///
-/// # Errors
-/// Robots that cannot be simulated, files that cannot be written, a program that cannot be started.
 pub fn counted(
     counted: Counted,
     program: &Path,

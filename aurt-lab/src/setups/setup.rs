@@ -53,7 +53,6 @@ pub struct Log {
     pub validates: bool,
 }
 
-/// A setup.
 #[derive(Debug, Clone)]
 pub struct Setup {
     pub geometry: Geometry,
@@ -65,12 +64,10 @@ pub struct Setup {
     pub unit: MeasurementUnit,
     pub constants_nm_per_a: Option<Vec<f64>>,
     pub logs: Vec<Log>,
-    /// The units that the experiment states.
     pub declared: Units,
     /// `columns` of every recording, where it states them.
     pub columns: Option<[usize; 2]>,
     pub f_dyn_hz: f64,
-    /// What it is, for reports.
     pub described: String,
 }
 
@@ -85,9 +82,6 @@ impl Setup {
     }
 
     /// A right setup.
-    ///
-    /// # Errors
-    /// If the robot cannot be simulated.
     pub fn draw(random: &mut Random) -> Result<Self, SimulationError> {
         let (robot, geometry) = robot(random);
         let motions = Motions::draw(random);
@@ -158,7 +152,6 @@ impl Setup {
         })
     }
 
-    /// Number of joints.
     pub fn joints(&self) -> usize {
         self.mdh.len()
     }
@@ -247,7 +240,6 @@ impl Setup {
     }
 }
 
-/// Name of the file of a recording.
 pub fn file_name(log: usize) -> String {
     format!("recording_{}.csv", log + 1)
 }
@@ -300,12 +292,10 @@ enum Habit {
     Works,
     /// Slow strokes.
     Tracks,
-    /// Each in turn.
     Mixes,
 }
 
 struct Motions {
-    /// Whether each recording validates.
     roles: Vec<bool>,
     habit: Habit,
     top_hz: f64,

@@ -4,7 +4,6 @@ use std::path::Path;
 
 pub use crate::programs::aurt;
 
-/// The program.
 pub fn program() -> &'static Path {
     // It runs the one beside it.
     aurt();

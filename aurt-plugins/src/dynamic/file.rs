@@ -10,7 +10,6 @@ use crate::error::{Error, LibraryProblem};
 /// Largest file of a library.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// A library as it was read.
 #[derive(Debug)]
 pub(crate) struct LibraryFile {
     /// The path, without links.

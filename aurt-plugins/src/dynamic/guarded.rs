@@ -16,9 +16,6 @@ fn is_guard(value: &f64) -> bool {
 }
 
 /// Evaluates into memory of which every column, and the state, ends in guards, and takes over what is right.
-///
-/// # Errors
-/// What the library says; that it wrote where it must not.
 pub(super) fn evaluate(
     instance: &Instance,
     series: &Series,

@@ -45,7 +45,6 @@ unsafe impl Sync for Table {}
 /// A model's listing and the model.
 type Listed = (ModelListing, Arc<LibraryModel>);
 
-/// What a library is, and its models.
 pub(crate) type Loaded = (LibraryListing, Vec<Listed>);
 
 /// The declaration of a loaded library, which lives as long as the process.

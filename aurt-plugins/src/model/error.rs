@@ -13,24 +13,17 @@ use crate::model::place::{Step, in_words};
 /// Why a robot model cannot be put together, read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Error {
-    /// Models, libraries or plugins.
     #[error(transparent)]
     Plugins(Box<crate::Error>),
     /// The table of modified Denavit–Hartenberg parameters.
     #[error(transparent)]
     Mdh(#[from] MdhErrors),
-    /// The description of a robot.
     #[error(transparent)]
     Robot(#[from] RobotErrors),
-    /// No known robot has this name.
     #[error("`{name}` is not the name of a known robot; {remedy}")]
-    UnknownRobot {
-        /// The name.
-        name: String,
-        /// What to do.
-        remedy: String,
-    },
+    UnknownRobot { name: String, remedy: String },
     /// The rigid bodies cannot be built, or their base parameters not be determined.
     #[error(transparent)]
     RigidBody(RbdError),
@@ -43,51 +36,30 @@ pub enum Error {
     /// A value of a model file is wrong; [`Error::in_file`] makes a [`Error::ModelFile`] of it.
     #[error("{}{reason}{}", in_words(place), and_help(help))]
     ModelValue {
-        /// The way to the value.
         place: Vec<Step>,
         /// What is wrong with it, as the rest of a sentence about it.
         reason: String,
-        /// What to do.
         help: Option<String>,
     },
-    /// A model file is wrong.
     #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
     ModelFile {
-        /// The file.
         path: PathBuf,
         /// The line, from 1.
         line: usize,
         /// The column, from 1.
         column: usize,
-        /// What is wrong.
         reason: String,
-        /// What to do.
         help: Option<String>,
     },
     /// Something cannot be written into a model file.
     #[error("{what} cannot be saved: {reason}")]
-    Unsaved {
-        /// What could not be saved.
-        what: String,
-        /// Why.
-        reason: String,
-    },
+    Unsaved { what: String, reason: String },
     /// A file could not be read.
     #[error("{path}: cannot be read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Read { path: PathBuf, source: std::io::Error },
     /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
+    Write { path: PathBuf, source: std::io::Error },
 }
 
 fn lines<E: ToString>(errors: &[E]) -> String {

@@ -8,7 +8,6 @@ pub(super) type Vector<T> = [T; 3];
 /// Real robots turn by right angles about x almost everywhere, which costs nothing but a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Turn {
-    /// None.
     Straight,
     /// By +90° about x.
     Up,
@@ -37,11 +36,8 @@ impl Turn {
 /// The constant translation of a placement, in the new frame's axes, in the cheapest form that it has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shift {
-    /// None.
     Nowhere,
-    /// Along x.
     AlongX(f64),
-    /// Along z.
     AlongZ(f64),
     /// Any other.
     Anywhere([f64; 3]),

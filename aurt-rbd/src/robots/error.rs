@@ -16,73 +16,43 @@ impl From<RobotError> for RobotErrors {
 /// One thing that is wrong with a robot description. Lines count from 1.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RobotError {
     /// The file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    Unreadable { path: PathBuf, source: std::io::Error },
     /// The file is no well-formed XML.
     #[error("{}:{line}: {reason}", path.display())]
-    Xml {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: u32,
-        /// What is wrong, and what to do.
-        reason: String,
-    },
-    /// The file is a xacro macro, not a robot description.
+    Xml { path: PathBuf, line: u32, reason: String },
     #[error(
         "{}:{line}: `{text}` is xacro, a macro language that generates URDF files; \
          expand it with `xacro {} > robot.urdf` (`pip install xacro`) and name the result", path.display(), path.display()
     )]
-    Xacro {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: u32,
-        /// The macro.
-        text: String,
-    },
+    Xacro { path: PathBuf, line: u32, text: String },
     /// An element does not say what it must.
     #[error("{}:{line}: {what}: {reason}", path.display())]
     Element {
-        /// The file.
         path: PathBuf,
-        /// The element's line.
         line: u32,
         /// The element: `joint elbow`.
         what: String,
-        /// What is wrong with it, and what to do.
         reason: String,
     },
     /// Links and joints are no tree.
     #[error("{}: {reason}", path.display())]
-    NoTree {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    NoTree { path: PathBuf, reason: String },
     /// A base or tip that is no link, or a joint that is not there.
     #[error(
         "{}: there is no {kind} `{name}` for {which}{}; {kind}s: {}",
         path.display(), meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", ")
     )]
     Unknown {
-        /// The file.
         path: PathBuf,
         /// `link` or `joint`.
         kind: &'static str,
         /// What it is to be: `the base`.
         which: &'static str,
-        /// The name as given.
         name: String,
-        /// The name that was probably meant.
         meant: Option<String>,
         /// The names of the file, or the first of many.
         known: Box<[String]>,
@@ -90,9 +60,7 @@ pub enum RobotError {
     /// Several chains, none of which was asked for.
     #[error("{}: several chains start at `{base}`; choose one by its tip (`tip`, --tip on the command line): {}", path.display(), tips.join(", "))]
     Tips {
-        /// The file.
         path: PathBuf,
-        /// The base link.
         base: String,
         /// The chains' last links, with the number of joints of each chain.
         tips: Vec<String>,
@@ -103,19 +71,12 @@ pub enum RobotError {
          (--base, --tip, --tips on the command line)", path.display()
     )]
     TooManyJoints {
-        /// The file.
         path: PathBuf,
         /// Number of joints that move, those that follow others included.
         joints: usize,
-        /// How many there may be.
         most: usize,
     },
     /// Base and tip are there, but there is no chain of moving joints from one to the other.
     #[error("{}: {reason}", path.display())]
-    NoChain {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    NoChain { path: PathBuf, reason: String },
 }

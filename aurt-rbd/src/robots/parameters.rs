@@ -15,7 +15,6 @@ const OF_JOINTS: [&str; 3] = ["armature", "damping", "frictionloss"];
 const OF_BODIES: [&str; 3] = ["mass", "ipos", "inertia"];
 /// Quantities of actuators and sensors.
 const OF_DRIVES: [&str; 5] = ["kp", "kv", "delay", "bias", "gain"];
-/// Keys of a parameter.
 const KEYS: [&str; 6] = ["frozen", "max_value", "min_value", "name", "nominal", "value"];
 const SYSID: &str = "is not a line of `ParameterDict.save_to_disk`; name params_x_hat.yaml of mujoco.sysid";
 /// Remedy for names that state nothing.
@@ -132,7 +131,6 @@ impl ParameterFile {
         self.parameters.iter().filter(|p| !p.is_frozen)
     }
 
-    /// The parameters of quantities, with what each is of.
     fn of(&self, quantities: &[&str]) -> impl Iterator<Item = (&Parameter, &str, &'static str)> {
         let meant =
             self.applied().filter_map(|p| p.meaning().map(|(element, quantity)| (p, element, quantity)));
@@ -202,7 +200,6 @@ impl ParameterFile {
     }
 }
 
-/// The body of a link with a parameter.
 fn corrected(link: &TreeLink, quantity: &str, values: &[f64]) -> Result<Body, &'static str> {
     let frame = link.place.map_or_else(Pose::identity, |place| place.frame);
     if let Ok(theta) = <[f64; 10]>::try_from(values) {

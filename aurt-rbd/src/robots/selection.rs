@@ -90,7 +90,6 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, part: &Part) -> Result<Sel
     checked(tree, (base, None), joints, &moves)
 }
 
-/// The chain to one tip.
 fn of_chain(tree: &Tree, base: usize, tip: usize) -> Result<Selection, RobotError> {
     let joints = tree.path_between(base, tip).ok_or_else(|| beside(tree, base, tip))?;
     checked(tree, (base, Some(tip)), joints, &vec![true; tree.joints.len()])
@@ -328,7 +327,6 @@ fn closed_paths(tree: &Tree, base: usize) -> Vec<Option<Closed>> {
     closed
 }
 
-/// The name of the only tip.
 pub(crate) fn only_tip(tree: &Tree, base: Option<&str>) -> Result<String, RobotError> {
     let base = base_of(tree, base)?;
     let base_name = &tree.links[base].name;

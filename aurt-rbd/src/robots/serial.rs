@@ -94,7 +94,6 @@ pub(crate) fn links(tree: &Tree, selection: &Selection) -> (Vec<ChainLink>, Vec<
     (links, carried)
 }
 
-/// The robot that a part of a tree is.
 pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<DescribedRobot, RobotErrors> {
     let selection = &select(tree, base, &part)?;
     let (links, carried) = links(tree, selection);
@@ -281,7 +280,6 @@ impl OwnJoint {
     }
 }
 
-/// What a joint beside the selection does at its rest.
 fn at_rest(tree: &Tree, joint: usize) -> Pose {
     let at = tree.rest(joint);
     match tree.joints[joint].freedom {

@@ -35,7 +35,6 @@ pub(crate) struct TreeLink {
     pub place: Option<BodyPlace>,
 }
 
-/// Where a file has a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyPlace {
     /// Byte at which the element `body` or `link` begins.

@@ -64,13 +64,12 @@ pub(super) fn container<'a>(
     if input.beginning.starts_with(SQLITE_MAGIC) {
         return Ok(Box::new(SqliteFile::new(&input, is_named)?));
     }
-    Err(RecordingError::Malformed {
-        path: input.path.to_owned(),
-        place: "its first bytes".to_owned(),
-        reason: "it is neither MCAP nor SQLite, which rosbag2 writes".to_owned(),
-        remedy: "convert a bag with `ros2 bag convert` (storage_id: mcap); unpack other files with `zstd -d`"
-            .to_owned(),
-    })
+    Err(RecordingError::malformed(
+        input.path,
+        "its first bytes",
+        "it is neither MCAP nor SQLite, which rosbag2 writes",
+        "convert a bag with `ros2 bag convert` (storage_id: mcap); unpack other files with `zstd -d`",
+    ))
 }
 
 /// The file as it was before it was compressed, in a temporary one.
@@ -79,11 +78,13 @@ fn unpacked<'a>(
     memory: Memory<'_>,
 ) -> Result<RecordingInput<'a>, RecordingError> {
     let path = input.path;
-    let damaged = |reason: String| RecordingError::Malformed {
-        path: path.to_owned(),
-        place: "its zstd frame".to_owned(),
-        reason: format!("it cannot be unpacked: {reason}"),
-        remedy: "copy the file again".to_owned(),
+    let damaged = |reason: String| {
+        RecordingError::malformed(
+            path,
+            "its zstd frame",
+            format!("it cannot be unpacked: {reason}"),
+            "copy the file again",
+        )
     };
     let spilled = |source| RecordingError::Spill { path: path.to_owned(), source };
     let decoder = Decoder::new(input.rewound()?).map_err(|error| damaged(error.to_string()))?;

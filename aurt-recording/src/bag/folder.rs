@@ -36,20 +36,17 @@ impl BagFolder {
             return Ok(None);
         }
         if files.is_empty() {
-            return Err(RecordingError::Malformed {
-                path: file,
-                place: FILES.to_owned(),
-                reason: "it lists no files of a bag".to_owned(),
-                remedy: "write it again with `ros2 bag reindex`, or name a file of the folder".to_owned(),
-            });
+            return Err(RecordingError::malformed(
+                &file,
+                FILES,
+                "it lists no files of a bag",
+                "write it again with `ros2 bag reindex`, or name a file of the folder",
+            ));
         }
         Ok(Some(Self { folder, files }))
     }
 
     /// Reads the joint states of all files, one after another.
-    ///
-    /// # Errors
-    /// As for a bag of one file.
     pub(crate) fn read(
         &self,
         options: &ReadOptions,

@@ -11,7 +11,6 @@ pub(crate) struct JointState {
     pub(crate) stamp_ns: i64,
     /// The names as they are written, for telling fast whether they are those of another message.
     pub(crate) names_written: Vec<u8>,
-    /// Names of the joints.
     pub(crate) names: Vec<String>,
     /// Positions, rad or m.
     pub(crate) position: Vec<f64>,
@@ -23,9 +22,6 @@ pub(crate) struct JointState {
 
 impl JointState {
     /// Takes the message of these bytes.
-    ///
-    /// # Errors
-    /// What is wrong with them.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
         let mut body = CdrBody::of(bytes)?;
         self.stamp_ns = body.time_ns().ok_or(BREAKS_OFF)?;
@@ -38,9 +34,6 @@ impl JointState {
     }
 
     /// Takes the names of the joints.
-    ///
-    /// # Errors
-    /// What is wrong with them.
     pub(super) fn name(&mut self, body: &mut CdrBody<'_>) -> Result<(), &'static str> {
         let (start, count) = body.names()?;
         let written = body.since(start);

@@ -19,9 +19,6 @@ pub(super) struct JointTrajectory {
 
 impl JointTrajectory {
     /// Takes a message, and gives the bytes of the one before in exchange; `state` receives the names.
-    ///
-    /// # Errors
-    /// What is wrong with them.
     pub(super) fn begin(
         &mut self,
         message: &mut Vec<u8>,
@@ -39,9 +36,6 @@ impl JointTrajectory {
     }
 
     /// Takes the next point: its positions and velocities, at its time; false after the last.
-    ///
-    /// # Errors
-    /// What is wrong with the message.
     pub(super) fn next(&mut self, state: &mut JointState) -> Result<bool, &'static str> {
         if self.left == 0 {
             return Ok(false);

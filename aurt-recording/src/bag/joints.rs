@@ -78,11 +78,8 @@ impl<'a> Joints<'a> {
             beside_of: Vec::new(),
             beside: Vec::new(),
         };
-        let refuse = |reason: String, remedy: String| RecordingError::Malformed {
-            path: path.to_owned(),
-            place: format!("topic {}", topic.name),
-            reason,
-            remedy,
+        let refuse = |reason: String, remedy: String| {
+            RecordingError::malformed(path, format!("topic {}", topic.name), reason, remedy)
         };
         if !joints.decode_next()? {
             return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
@@ -160,7 +157,6 @@ impl<'a> Joints<'a> {
         &self.names
     }
 
-    /// Names of the columns.
     pub(super) fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
         let families = [("position", self.position), ("velocity", self.velocity), ("effort", self.effort)];
@@ -190,7 +186,6 @@ impl<'a> Joints<'a> {
         (self.origin_ns / SECOND_NS) as f64
     }
 
-    /// What is to be said once all is read.
     pub(super) fn irregularities(&self) -> Vec<String> {
         let mut said = Vec::new();
         if self.passed_over > 0 {

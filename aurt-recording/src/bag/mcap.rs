@@ -25,7 +25,6 @@ const CHANNEL: u8 = 0x04;
 const MESSAGE: u8 = 0x05;
 const CHUNK: u8 = 0x06;
 
-/// An open file.
 pub(super) struct McapFile<'a> {
     pub(super) input: RecordingInput<'a>,
     pub(super) memory: Memory<'a>,

@@ -20,7 +20,6 @@ pub(super) struct Messages<'a> {
     /// When it was recorded, ns.
     pub(super) log_ns: i64,
     pub(super) read: usize,
-    /// Whether a file broke off.
     pub(super) broken_off: bool,
 }
 
@@ -104,11 +103,11 @@ impl<'a> Messages<'a> {
     }
 
     pub(super) fn malformed(&self, reason: String, remedy: &str) -> RecordingError {
-        RecordingError::Malformed {
-            path: self.path.to_owned(),
-            place: format!("after message {} of {}", self.read, self.name),
+        RecordingError::malformed(
+            self.path,
+            format!("after message {} of {}", self.read, self.name),
             reason,
-            remedy: remedy.to_owned(),
-        }
+            remedy,
+        )
     }
 }

@@ -63,14 +63,13 @@ pub(super) fn read(
     let mut recording = table.read(format, piece_rows, visit, &mut |row| {
         if !joints.next(&mut all)? {
             return joints.never_finite(rows).map_or(Ok(false), |of| {
-                Err(RecordingError::Malformed {
-                    path: path.to_owned(),
-                    place: format!("topic {}", topic.name),
-                    reason: format!("no message has numbers alone: {of} is NaN"),
-                    remedy: "record what that joint measures, or take a chain without it (tip and joint_names in an experiment, --tip and \
-                             --joint-names on the command line)"
-                        .into(),
-                })
+                Err(RecordingError::malformed(
+                    path,
+                    format!("topic {}", topic.name),
+                    format!("no message has numbers alone: {of} is NaN"),
+                    "record what that joint measures, or take a chain without it (tip and joint_names in an experiment, \
+                     --tip and --joint-names on the command line)",
+                ))
             });
         }
         rows += 1;
@@ -88,7 +87,6 @@ pub(super) fn read(
 /// Topics that are looked into for joints that the chosen one lacks.
 const MOST_TOPICS: usize = 20;
 
-/// What is to be said where the wanted joints are on several topics.
 fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic) -> RecordingError {
     let RecordingError::JointNames { path, recorded, wanted, lacking } = error else { return error };
     let names = |name: &String| {
@@ -106,12 +104,11 @@ fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic)
     }
     let topics = std::iter::once((topic.name.clone(), recorded)).chain(others);
     let listed: Vec<String> = topics.map(|(name, own)| format!("{name} has {}", own.join(", "))).collect();
-    RecordingError::Malformed {
-        path,
-        place: format!("topic {}", topic.name),
-        reason: format!("no message has all joints: {}", listed.join("; ")),
-        remedy: "rows need all joints at one time: publish them in one message (joint_state_publisher with source_list \
-                 does), or write positions and efforts of all joints into one CSV file"
-            .into(),
-    }
+    RecordingError::malformed(
+        &path,
+        format!("topic {}", topic.name),
+        format!("no message has all joints: {}", listed.join("; ")),
+        "rows need all joints at one time: publish them in one message (joint_state_publisher with source_list \
+                 does), or write positions and efforts of all joints into one CSV file",
+    )
 }

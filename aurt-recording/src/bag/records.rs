@@ -21,10 +21,8 @@ pub(super) fn name_of(bytes: &[u8]) -> String {
 
 /// An open file of messages.
 pub(super) trait Container {
-    /// What reports call it.
     fn kind(&self) -> &'static str;
 
-    /// Its path.
     fn path(&self) -> &Path;
 
     /// Its records from the first on.
@@ -41,7 +39,6 @@ pub(super) enum Scan<'a> {
     Summary,
     /// Topics, wherever they are described.
     Topics,
-    /// Messages of these channels.
     Messages(&'a [u64]),
 }
 
@@ -65,7 +62,6 @@ pub(super) enum Record<'a> {
 pub(super) enum Ending {
     /// The file stops in the middle.
     BreaksOff,
-    /// Something in it is wrong.
     Wrong(String),
 }
 

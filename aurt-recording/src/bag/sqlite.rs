@@ -14,7 +14,6 @@ use crate::format::RecordingInput;
 
 pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// An open file.
 pub(super) struct SqliteFile<'a> {
     path: &'a Path,
     database: Connection,
@@ -37,14 +36,14 @@ impl<'a> SqliteFile<'a> {
             let journal = PathBuf::from(journal);
             if journal.metadata().is_ok_and(|m| m.len() > 0) {
                 let file = path.display();
-                return Err(RecordingError::Malformed {
-                    path: path.to_owned(),
-                    place: format!("with {}", journal.display()),
-                    reason: "its recorder was stopped before it wrote all messages into the file".to_owned(),
-                    remedy: format!(
+                return Err(RecordingError::malformed(
+                    path,
+                    format!("with {}", journal.display()),
+                    "its recorder was stopped before it wrote all messages into the file",
+                    format!(
                         "complete the file: sqlite3 \"{file}\" \"PRAGMA journal_mode=DELETE; SELECT count(*) FROM topics\""
                     ),
-                });
+                ));
             }
         }
         let (whole_bytes, is_cut) = whole_pages(&input.beginning, input.bytes);
@@ -104,12 +103,12 @@ fn open(path: &Path) -> Result<Connection, Error> {
 }
 
 fn malformed(path: &Path, reason: String) -> RecordingError {
-    RecordingError::Malformed {
-        path: path.to_owned(),
-        place: "its tables".to_owned(),
+    RecordingError::malformed(
+        path,
+        "its tables",
         reason,
-        remedy: "copy the file again; rosbag2 writes tables `topics` and `messages`".to_owned(),
-    }
+        "copy the file again; rosbag2 writes tables `topics` and `messages`",
+    )
 }
 
 impl Container for SqliteFile<'_> {

@@ -89,11 +89,8 @@ impl Topic {
         if listing.channels.is_empty() || ending.is_some() {
             (listing, ending) = Listing::read(&mut *container.records(Scan::Topics)?);
         }
-        let malformed = |reason: String, remedy: String| RecordingError::Malformed {
-            path: container.path().to_owned(),
-            place: "its topics".to_owned(),
-            reason,
-            remedy,
+        let malformed = |reason: String, remedy: String| {
+            RecordingError::malformed(container.path(), "its topics", reason, remedy)
         };
         if listing.channels.is_empty() {
             let reason = match ending {

@@ -11,7 +11,6 @@ pub(super) struct Clock {
     pub(super) column: usize,
     /// The column of their nanoseconds, if they are in two.
     pub(super) nanoseconds: Option<usize>,
-    /// The unit that the name says.
     unit: Option<TimeUnit>,
 }
 

@@ -15,7 +15,6 @@ const KEPT_DETAILS: usize = 10_000;
 /// Rows of a machine that runs on over which the share of corrupt ones is judged.
 const JUDGED_ROWS: usize = 10_000;
 
-/// Irregularities that are kept.
 const IRREGULARITIES: usize = 100;
 
 /// Magnitude of time stamps beyond which they are corrupt, in s.
@@ -53,7 +52,6 @@ pub(super) struct Collector<'a> {
     turns: Vec<Turns>,
     branches: Vec<BranchTrack>,
     irregularities: Vec<String>,
-    /// What was done about others.
     remarks: Vec<String>,
     /// Whether rows that lack a number are left out on request.
     drops: bool,
@@ -62,7 +60,6 @@ pub(super) struct Collector<'a> {
     /// Why the file is refused once all of its rows are counted.
     refused: Option<RecordingError>,
     refused_rows: usize,
-    /// Rows that are there already.
     repeated_rows: usize,
     /// Lines of all rows that are not held.
     absent: Vec<u32>,
@@ -147,7 +144,6 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// Rows held.
     pub(super) const fn held(&self) -> usize {
         self.lines.len()
     }

@@ -24,11 +24,9 @@ pub(super) struct Selected {
     pub(super) nanoseconds: Option<usize>,
     /// Columns of positions of joints beside the chain, after all others in a row.
     pub(super) branches: Vec<(String, usize)>,
-    /// What each of those is scaled with.
     pub(super) branch_factors: Vec<Factor>,
     /// Whether each joint slides: its positions are no angles.
     pub(super) sliding: Vec<bool>,
-    /// Which joints the columns belong to.
     pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,

@@ -71,7 +71,6 @@ impl Dialect {
         dialect
     }
 
-    /// The decimal sign.
     pub(super) const fn decimal(self) -> u8 {
         if self.decimal_comma { b',' } else { b'.' }
     }
@@ -81,7 +80,6 @@ impl Dialect {
         Cells { delimiter: self.delimiter, rest: Some(line) }
     }
 
-    /// The dialect in words.
     pub(super) fn in_words(self) -> String {
         let decimal = if self.decimal_comma { ", decimal commas" } else { "" };
         format!("separated by {}{decimal}", self.delimiter.in_words())
@@ -110,7 +108,6 @@ fn count(line: &[u8], delimiter: Delimiter) -> usize {
     count
 }
 
-/// The cells of a line.
 pub(super) struct Cells<'a> {
     delimiter: Delimiter,
     rest: Option<&'a [u8]>,

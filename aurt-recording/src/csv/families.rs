@@ -47,7 +47,6 @@ pub(super) const LIBFRANKA: &str = "state_q";
 pub(super) const DEGREES: [&str; 5] =
     ["actuators_position", "actuators_velocity", "aipos_a", "angles", "realtime_joint_speeds"];
 
-/// Positions in encoder counts.
 pub(super) const COUNTS: [&str; 1] = ["present_position"];
 
 /// Motor currents in units of the drive, which no name tells.

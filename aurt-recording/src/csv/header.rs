@@ -11,11 +11,9 @@ const MOST_COMPARED: usize = 4096;
 pub(super) struct Header {
     /// Names as written, without quotes; empty if the file has no header line.
     pub(super) names: Vec<String>,
-    /// Number of columns.
     pub(super) columns: usize,
     /// Line of the header, or of the first row if there is none; from 1.
     pub(super) line: usize,
-    /// Whether that line is data.
     pub(super) is_data: bool,
 }
 
@@ -46,13 +44,11 @@ impl Header {
         }
     }
 
-    /// The columns of that name.
     pub(super) fn named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = usize> + 'a {
         let same = move |n: &String| n.trim().to_lowercase() == name.trim().to_lowercase();
         self.names.iter().enumerate().filter(move |(_, n)| same(n)).map(|(column, _)| column)
     }
 
-    /// The name of a column, or its number.
     pub(super) fn name(&self, column: usize) -> String {
         self.names.get(column).cloned().unwrap_or_else(|| format!("column {column}"))
     }

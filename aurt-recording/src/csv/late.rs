@@ -17,7 +17,6 @@ pub(super) struct Late {
 }
 
 impl Late {
-    /// Whether a row with this stamp ends the run.
     pub(super) fn ends_before(&self, stamp: f64) -> bool {
         self.rows.len() >= MOST || self.rows.last().is_some_and(|(row, _)| stamp < row[0])
     }

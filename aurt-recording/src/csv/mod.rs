@@ -240,7 +240,6 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a cell says that there is no number.
 fn is_no_number(text: &str) -> bool {
     let lower = text.trim().to_lowercase();
     ["", "nan", "inf", "infinity", "null", "none", "na"].contains(&lower.trim_start_matches(['-', '+']))

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 /// A row that its neighbours contradict.
 pub(super) struct Finding {
-    /// Index of the row.
     pub(super) row: usize,
     /// Index of the series that shows it, among those that were looked at.
     pub(super) place: usize,
@@ -108,7 +107,6 @@ pub(super) struct JointPosition {
     pub(super) joint: usize,
     /// Whether it slides: lengths have no whole turns.
     pub(super) slides: bool,
-    /// Whether jumps that stay are told.
     pub(super) tells_jumps: bool,
 }
 

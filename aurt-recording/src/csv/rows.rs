@@ -93,7 +93,6 @@ impl RowParser {
         bad.map_or(Ok(()), |column| Err(RowProblem::Cell { column }))
     }
 
-    /// The cells of a line.
     pub(super) fn cells<'a>(&self, line: &'a [u8]) -> Cells<'a> {
         self.dialect.cells(line)
     }

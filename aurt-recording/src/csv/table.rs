@@ -67,9 +67,6 @@ impl<'a> Table<'a> {
     }
 
     /// Refuses a table whose rows would not fit into memory, where they are not read in pieces.
-    ///
-    /// # Errors
-    /// [`RecordingError::TooLarge`].
     pub(crate) fn make_room(&self, rows: u64, piece_rows: usize) -> Result<(), RecordingError> {
         let width = self.selected.all().len() as u64 + 1;
         let held = rows.min(piece_rows as u64);

@@ -87,11 +87,11 @@ impl LongRecording {
             return Ok(());
         };
         if first < self.last_s {
-            return Err(RecordingError::Clock {
-                path: self.file.clone(),
-                reason: format!("time goes back from {} s to {first} s", self.last_s),
-                remedy: "sort the samples by time".into(),
-            });
+            return Err(RecordingError::clock(
+                &self.file,
+                format!("time goes back from {} s to {first} s", self.last_s),
+                "sort the samples by time",
+            ));
         }
         self.first_s = self.first_s.or(Some(first));
         self.last_s = last;

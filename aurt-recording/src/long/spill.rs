@@ -20,7 +20,6 @@ impl Spill {
         Ok(Self { width, rows: 0, writer: Some(BufWriter::with_capacity(1 << 18, file)), reader })
     }
 
-    /// Number of rows.
     pub(super) const fn rows(&self) -> usize {
         self.rows
     }

@@ -33,13 +33,15 @@ struct Run {
 impl Uniform {
     /// Judges the stamps of a recording as preprocessing of whole recordings does.
     pub(super) fn of(recording: &LongRecording, options: &PreprocessOptions) -> Result<Self, RecordingError> {
-        let refused = |reason: String| RecordingError::Clock {
-            path: recording.file.clone(),
-            reason: match recording.report.dropped_rows {
-                0 => reason,
-                rows => format!("{reason} ({rows} corrupt rows were dropped, which leaves holes)"),
-            },
-            remedy: "recordings longer than memory need uniform stamps: resample it, or read it whole".into(),
+        let refused = |reason: String| {
+            RecordingError::clock(
+                &recording.file,
+                match recording.report.dropped_rows {
+                    0 => reason,
+                    rows => format!("{reason} ({rows} corrupt rows were dropped, which leaves holes)"),
+                },
+                "recordings longer than memory need uniform stamps: resample it, or read it whole",
+            )
         };
         let first = stamps(recording, 0..AT_ONCE.min(recording.samples()))?;
         let mut distances: Vec<f64> = first.windows(2).map(|w| w[1] - w[0]).collect();

@@ -112,7 +112,6 @@ impl<'a> Column<'a> {
         Self { open: columns as u64, ..self }
     }
 
-    /// The numbers of the first row.
     pub(super) fn first_row(mut self) -> Result<Vec<f64>, Problem> {
         while self.values.is_empty() && self.page()? {}
         self.values.truncate(self.width.unwrap_or(self.values.len()));
@@ -184,7 +183,6 @@ impl<'a> Column<'a> {
         Ok(get_column_reader(chunk.column_descr_ptr(), Box::new(pages)))
     }
 
-    /// Takes the numbers of a page.
     fn take(&mut self, page: PageContent) -> Result<(), Problem> {
         let defined = self.leaf.defined;
         let mut numbers = page.numbers.into_iter();
@@ -354,7 +352,6 @@ impl ChunkReader for Source {
         Ok(BufReader::with_capacity(256, file))
     }
 
-    /// The bytes of a page.
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
         let bytes = self.read(start, length as u64)?;
         if bytes.len() < length {

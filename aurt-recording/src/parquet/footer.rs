@@ -10,12 +10,14 @@ const DEEPEST: usize = 32;
 /// The meaning of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
-    /// As they are stored.
     Stored,
     /// Integers without sign.
     Unsigned,
     /// Moments since 1970 in parts of a second, given in seconds from `origin` on.
-    Stamp { per_second: i64, origin: i64 },
+    Stamp {
+        per_second: i64,
+        origin: i64,
+    },
 }
 
 impl Number {
@@ -37,7 +39,6 @@ impl Number {
 pub(super) struct Leaf {
     /// Its name, with those of the structures around it.
     pub(super) name: String,
-    /// Its place among all columns.
     pub(super) place: usize,
     pub(super) number: Number,
     /// Level of a number that is there; below it, it is missing.

@@ -69,12 +69,8 @@ impl RecordingFormat for Parquet {
 
 /// Reads the footer, which is at the end of the file.
 fn footer(input: &RecordingInput<'_>, memory: Memory<'_>) -> Result<ParquetMetaData, RecordingError> {
-    let refused = |reason: &str, remedy: &str| RecordingError::Malformed {
-        path: input.path.to_owned(),
-        place: "its footer".to_owned(),
-        reason: reason.to_owned(),
-        remedy: remedy.to_owned(),
-    };
+    let refused =
+        |reason: &str, remedy: &str| RecordingError::malformed(input.path, "its footer", reason, remedy);
     let cut = || {
         refused(
             "the file is truncated or not Parquet: its footer, which lists the columns, is missing",
@@ -235,12 +231,7 @@ impl Reader<'_> {
                 "write lists with a number for each joint",
             ),
         };
-        RecordingError::Malformed {
-            path: self.path.to_owned(),
-            place: format!("column {column}"),
-            reason,
-            remedy: remedy.to_owned(),
-        }
+        RecordingError::malformed(self.path, format!("column {column}"), reason, remedy)
     }
 }
 

@@ -99,20 +99,22 @@ impl Clock {
             (None, None) => (common_rate(1.0 / median), true),
         };
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
-            return Err(RecordingError::Clock {
-                path: recording.file.clone(),
-                reason: format!("the time stamps give no sampling rate (median distance {median} s)"),
-                remedy: "check that the time column is in seconds, or set sample_rate_hz".into(),
-            });
+            return Err(RecordingError::clock(
+                &recording.file,
+                format!("the time stamps give no sampling rate (median distance {median} s)"),
+                "check that the time column is in seconds, or set sample_rate_hz",
+            ));
         }
         let grid: f64 = runs.iter().map(|r| (time[r.end - 1] - time[r.start]) * rate_hz).sum();
         if resample && grid > FINEST_GRID * (time.len() as f64 + 10.0) {
-            return Err(RecordingError::Clock {
-                path: recording.file.clone(),
-                reason: format!("a grid of {rate_hz} Hz would have {grid:.0} samples for {} recorded ones", time.len()),
-                remedy: "the stamps are too irregular, or not in seconds: correct them, or set a lower sample_rate_hz"
-                    .into(),
-            });
+            return Err(RecordingError::clock(
+                &recording.file,
+                format!(
+                    "a grid of {rate_hz} Hz would have {grid:.0} samples for {} recorded ones",
+                    time.len()
+                ),
+                "the stamps are too irregular, or not in seconds: correct them, or set a lower sample_rate_hz",
+            ));
         }
         let missing_share = missing_share(time, &runs, rate_hz);
         let report = ClockReport {

@@ -33,7 +33,6 @@ pub(super) struct Modes {
 pub(super) struct ModeGroup {
     /// For each sample of a block: p^(F−1−i) for the forward state, then p^(i−1) (0 at i = 0) backward.
     pub(super) weights: Vec<[f64; WIDTH]>,
-    /// p^F.
     pub(super) step: [f64; 4],
     /// p^(F−1).
     pub(super) bridge: [f64; 4],

@@ -141,9 +141,6 @@ impl ZeroPhase {
 
     /// Positions of a robot that may move at the ends, filtered: they are continued with the velocity that they have there,
     /// and with their acceleration, for twice the [memory](Self::memory).
-    ///
-    /// # Errors
-    /// As [`Self::filter_all`].
     pub(crate) fn filter_positions(&self, positions: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, RecordingError> {
         let (padding, samples) = (self.padding(), positions.first().map_or(0, Vec::len));
         if samples <= padding {

@@ -5,7 +5,6 @@ use crate::recording::Recording;
 
 /// Rows from each that was recorded to the next, at most.
 const WIDEST: usize = 16;
-/// Fewest rows that tell.
 const FEWEST_ROWS: usize = 200;
 /// Share of a series' range by which numbers that are not rounded further may lie off the line.
 const EXACT: f64 = 1e-9;

@@ -53,11 +53,11 @@ pub fn mcap(
             (origin_s as i64).saturating_mul(1_000_000_000).saturating_add((stamp * 1e9).round() as i64);
         let time_ns = u64::try_from(time_ns).ok().filter(|ns| ns / 1_000_000_000 <= i32::MAX as u64);
         let Some(time_ns) = time_ns.filter(|_| stamp.is_finite()) else {
-            return Err(RecordingError::Clock {
-                path: path.to_owned(),
-                reason: format!("the stamp {stamp} s is none that messages of ROS can have (1970 to 2038)"),
-                remedy: "write Parquet or CSV, or shift the clock".to_owned(),
-            });
+            return Err(RecordingError::clock(
+                path,
+                format!("the stamp {stamp} s is none that messages of ROS can have (1970 to 2038)"),
+                "write Parquet or CSV, or shift the clock",
+            ));
         };
         for (channel, topic) in channels.iter().copied().zip(topics) {
             file.message(channel, sample as u32, time_ns, &joint_state(time_ns, joints, topic, sample))?;
@@ -66,7 +66,6 @@ pub fn mcap(
     file.finish()
 }
 
-/// The message of a topic at a sample.
 fn joint_state(time_ns: u64, joints: &[String], topic: &JointTopic<'_>, sample: usize) -> Vec<u8> {
     let mut message = CdrWriter::default();
     message.time(time_ns);

@@ -122,7 +122,6 @@ fn tasks(path: &Path) -> Result<Vec<u8>, RecordingError> {
     table(path, 1, &columns, &[("pandas", pandas.to_string())])
 }
 
-/// The table of episodes.
 fn episodes(path: &Path, frames: i64) -> Result<Vec<u8>, RecordingError> {
     let frames = [frames];
     let columns = [

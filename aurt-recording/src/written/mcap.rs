@@ -72,10 +72,5 @@ impl<'a> McapWriter<'a> {
 }
 
 fn failed(path: &Path, error: &McapError) -> RecordingError {
-    RecordingError::Malformed {
-        path: path.to_owned(),
-        place: "its messages".to_owned(),
-        reason: error.to_string(),
-        remedy: "write Parquet or CSV".to_owned(),
-    }
+    RecordingError::malformed(path, "its messages", error.to_string(), "write Parquet or CSV")
 }

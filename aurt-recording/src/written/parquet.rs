@@ -13,7 +13,6 @@ use parquet::schema::types::Type;
 
 use crate::error::RecordingError;
 
-/// Bytes of a page.
 const PAGE: usize = 8 << 20;
 
 /// A column of a table: a value for each row, or a list of values.
@@ -26,7 +25,6 @@ pub(super) struct TableColumn<'a> {
     pub(super) values: TableValues<'a>,
 }
 
-/// Values of one type.
 #[derive(Debug)]
 pub(super) enum TableValues<'a> {
     Doubles(&'a [f64]),
@@ -131,20 +129,14 @@ pub fn parquet(
 }
 
 /// A table whose columns have at least so many rows, as [`parquet`] writes it.
-///
-/// # Errors
-/// As [`parquet`].
 pub(super) fn table(
     path: &Path,
     rows: usize,
     columns: &[TableColumn<'_>],
     facts: &[(&str, String)],
 ) -> Result<Vec<u8>, RecordingError> {
-    write(rows, columns, facts).map_err(|error| RecordingError::Malformed {
-        path: path.to_owned(),
-        place: "its columns".to_owned(),
-        reason: error.to_string(),
-        remedy: "write CSV or MCAP".to_owned(),
+    write(rows, columns, facts).map_err(|error| {
+        RecordingError::malformed(path, "its columns", error.to_string(), "write CSV or MCAP")
     })
 }
 

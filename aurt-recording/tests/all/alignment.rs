@@ -1,23 +1,12 @@
 //! Sample by sample, preprocessing is that of the paper's tool (`reference/make_reference.py`, `alignment`).
 
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, Segment, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, Segment, preprocess};
 use aurt_traits::MeasurementUnit;
 use serde_json::Value;
 
-fn series(samples: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed;
-    (0..samples)
-        .map(|k| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let noise = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let k = k as f64;
-            (0.05 * k).sin() + 0.3 * (0.7 * k + seed as f64).sin() + 0.01 * k + noise
-        })
-        .collect()
-}
+use crate::filters::series;
 
 /// A motion between two rests, as in `make_reference.py`.
 fn position(samples: usize, rate_hz: f64, joint: usize) -> Vec<f64> {
@@ -56,16 +45,10 @@ fn motion_and_measurement_equal_those_of_the_original_tool() {
         let count = |key: &str| case[key].as_u64().unwrap() as usize;
         let (samples, rate_hz) = (count("samples"), case["rate_hz"].as_f64().unwrap());
         let raw = vec![series(samples, 11), series(samples, 12)];
-        let recording = Recording {
-            file: PathBuf::from("made.csv"),
-            time_s: (0..samples).map(|k| 3.0 + k as f64 / rate_hz).collect(),
-            position_rad: (0..2).map(|j| position(samples, rate_hz, j)).collect(),
-            velocity_rad_s: None,
-            measurement: Some(raw.clone()),
-            unit: MeasurementUnit::Ampere,
-            joints: aurt_recording::RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        };
+        let time_s = (0..samples).map(|k| 3.0 + k as f64 / rate_hz).collect();
+        let positions = (0..2).map(|j| position(samples, rate_hz, j)).collect();
+        let recording = Recording::from_arrays(time_s, positions).unwrap();
+        let recording = recording.with_measurement(raw.clone(), MeasurementUnit::Ampere).unwrap();
         let options = PreprocessOptions {
             count_ends: true,
             ..PreprocessOptions::new(case["f_dyn_hz"].as_f64().unwrap())

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 /// The series of `make_reference.py`.
-fn series(samples: usize, seed: u64) -> Vec<f64> {
+pub fn series(samples: usize, seed: u64) -> Vec<f64> {
     let mut state = seed;
     (0..samples)
         .map(|k| {

@@ -124,22 +124,11 @@ fn recording(samples: usize) -> Recording {
     let moving = |k: usize| f64::from(u8::from(k > 700 && k + 900 < samples));
     let series =
         |f: &dyn Fn(usize, f64) -> f64| time_s.iter().enumerate().map(|(k, t)| f(k, *t)).collect::<Vec<_>>();
-    Recording {
-        file: "long".into(),
-        position_rad: vec![
-            series(&|k, t| moving(k) * (0.9 * t).sin()),
-            series(&|k, t| moving(k) * (1.7 * t).cos()),
-        ],
-        velocity_rad_s: None,
-        measurement: Some(vec![
-            series(&|k, t| (2.3 * t).cos() + (k % 7) as f64),
-            series(&|k, _| (k % 11) as f64),
-        ]),
-        unit: aurt_traits::MeasurementUnit::Ampere,
-        joints: aurt_recording::RecordedJoints::Unnamed,
-        report: aurt_recording::ReadReport::default(),
-        time_s,
-    }
+    let position =
+        vec![series(&|k, t| moving(k) * (0.9 * t).sin()), series(&|k, t| moving(k) * (1.7 * t).cos())];
+    let current = vec![series(&|k, t| (2.3 * t).cos() + (k % 7) as f64), series(&|k, _| (k % 11) as f64)];
+    let recording = Recording::from_arrays(time_s, position).unwrap();
+    recording.with_measurement(current, aurt_traits::MeasurementUnit::Ampere).unwrap()
 }
 
 #[test]
@@ -149,14 +138,7 @@ fn stretches_overlap_enough() {
         let mut long = LongRecording::new("long".into(), 2, true, whole.unit).unwrap();
         for first in (0..whole.samples()).step_by(33_333) {
             let end = (first + 33_333).min(whole.samples());
-            let cut = |family: &Vec<Vec<f64>>| family.iter().map(|s| s[first..end].to_vec()).collect();
-            let piece = Recording {
-                time_s: whole.time_s[first..end].to_vec(),
-                position_rad: cut(&whole.position_rad),
-                measurement: whole.measurement.as_ref().map(cut),
-                ..whole.clone()
-            };
-            long.push(&piece).unwrap();
+            long.push(&whole.rows(first..end)).unwrap();
         }
         let expected = preprocess(&whole, &options(trim_rest)).unwrap();
         assert_eq!(expected.segments.len(), 2);

@@ -15,7 +15,6 @@ const SCRIPT: &str = include_str!("view.js");
 
 impl Page {
     /// The page as one HTML document that needs nothing else. Its policy forbids every request.
-    #[must_use]
     pub fn to_html(&self) -> String {
         html(self)
     }

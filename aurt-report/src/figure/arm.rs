@@ -12,7 +12,6 @@ use crate::escape;
 /// An arm, drawn once for each state of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    /// Title.
     pub title: String,
     /// Stem of the file name.
     pub name: String,
@@ -30,18 +29,14 @@ pub struct Arm {
     pub states: Vec<(String, Vec<Option<Shade>>)>,
 }
 
-/// The shade of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shade {
-    /// The multiple of the level.
     pub multiple: f64,
     /// Its colour, from 0 to the number of colours.
     pub level: usize,
 }
 
 impl Shade {
-    /// The shade of a multiple.
-    #[must_use]
     pub fn of(multiple: f64) -> Self {
         Self { multiple, level: LEVELS.iter().filter(|l| multiple > **l).count() }
     }

@@ -12,7 +12,6 @@ use crate::escape;
 /// Bars that are compared with each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarGroup {
-    /// What they are of.
     pub label: String,
     /// The values, in the order of [`Bars::series`]; absent ones are not drawn.
     pub values: Vec<Option<f64>>,
@@ -20,24 +19,19 @@ pub struct BarGroup {
     pub level: Option<f64>,
 }
 
-/// Bars in groups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// Title.
     pub title: String,
     /// Stem of the file name.
     pub name: String,
     /// What stands below; may be empty.
     pub caption: String,
-    /// Unit of the values.
     pub unit: String,
-    /// What the bars of each group are.
     pub series: Vec<(String, Style)>,
     /// What the marked level is; empty if there is none.
     pub level_name: String,
     /// Whether all groups share one scale; else the largest bar of each fills the width.
     pub one_scale: bool,
-    /// The groups.
     pub groups: Vec<BarGroup>,
 }
 

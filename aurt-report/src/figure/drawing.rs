@@ -21,7 +21,6 @@ pub const FILE_STYLE: &str = "text{font:12px system-ui,'DejaVu Sans',Helvetica,A
     .joint .number{font-weight:600;fill:#111}.level0 circle{fill:#7fd0b5}.level1 circle{fill:#f0e442}\
     .level2 circle{fill:#e69f00}.level3 circle{fill:#f0622d}.levelless circle{fill:#ddd}";
 
-/// The class of a style.
 pub const fn class(style: Style) -> &'static str {
     match style {
         Style::Measured => "measured",
@@ -35,13 +34,10 @@ pub const fn class(style: Style) -> &'static str {
 /// What a legend shows of something, 26 × 12.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sample {
-    /// A line.
     Line(&'static str),
-    /// A bar.
     Bar(&'static str),
     /// The mark of the noise floor across a bar.
     Mark,
-    /// A window.
     Window,
     /// A joint at some level.
     Level(&'static str),

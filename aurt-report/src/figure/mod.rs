@@ -16,12 +16,10 @@ pub use style::{Mark, Style};
 
 use crate::escape;
 
-/// A figure of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Figure {
     /// Series or clouds of points over a coordinate.
     Plot(Plot),
-    /// Bars in groups.
     Bars(Bars),
     /// An arm with coloured joints.
     Arm(Arm),
@@ -38,7 +36,6 @@ pub(crate) enum Target {
 
 impl Figure {
     /// The stem of its file name: letters, digits, `_` and `-` alone.
-    #[must_use]
     pub fn name(&self) -> String {
         let name = match self {
             Self::Plot(plot) => &plot.name,
@@ -50,7 +47,6 @@ impl Figure {
     }
 
     /// The figure as a file of its own, for papers: dark on white, with title and legend.
-    #[must_use]
     pub fn to_svg(&self) -> String {
         match self {
             Self::Plot(plot) => plot.draw(Target::File),

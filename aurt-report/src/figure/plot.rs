@@ -10,10 +10,8 @@ use super::{
 };
 use crate::escape;
 
-/// What a coordinate is.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Axis {
-    /// Its name.
     pub label: String,
     /// Its unit; may be empty.
     pub unit: String,
@@ -35,29 +33,22 @@ impl Axis {
 pub struct Layer {
     /// What the legend calls it; layers of one name share an entry, an empty name has none.
     pub name: String,
-    /// What it is of.
     pub style: Style,
-    /// How it is drawn.
     pub mark: Mark,
-    /// Coordinates.
     pub x: Vec<f64>,
-    /// Values.
     pub y: Vec<f64>,
 }
 
 /// A stretch of the coordinate that is set off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
-    /// From and to.
     pub x: [f64; 2],
-    /// What the legend calls it.
     pub name: String,
 }
 
 /// Layers over one another, with one vertical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// What the values are.
     pub y: Axis,
     /// Height of the panel, in units of a drawing that is 720 wide (340 if small).
     pub height: f64,
@@ -70,13 +61,11 @@ pub struct Panel {
 /// Panels over one coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    /// Its title.
     pub title: String,
     /// Stem of its file name.
     pub name: String,
     /// What stands below it; may be empty.
     pub caption: String,
-    /// The coordinate.
     pub x: Axis,
     /// The panels, from above.
     pub panels: Vec<Panel>,
@@ -98,7 +87,6 @@ impl Plot {
         if self.small { 340.0 } else { 720.0 }
     }
 
-    /// What the legend shows.
     pub(crate) fn legend(&self) -> Vec<(String, Sample)> {
         let mut entries: Vec<(String, Sample)> = Vec::new();
         let layers = self.panels.iter().flat_map(|p| &p.layers);

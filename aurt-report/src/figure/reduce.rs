@@ -2,7 +2,6 @@
 
 /// Indices of samples that stand for all: in each of `buckets` stretches the first, the last, and for every series
 /// the smallest and the largest, so that no spike is lost. Everything, where that is not more.
-#[must_use]
 pub fn decimated(series: &[&[f64]], buckets: usize) -> Vec<usize> {
     let samples = series.iter().map(|s| s.len()).min().unwrap_or(0);
     let kept_per_bucket = 2 + 2 * series.len();
@@ -28,13 +27,11 @@ pub fn decimated(series: &[&[f64]], buckets: usize) -> Vec<usize> {
 }
 
 /// At most `most` indices out of `samples`, evenly.
-#[must_use]
 pub fn subsample(samples: usize, most: usize) -> Vec<usize> {
     if samples <= most { (0..samples).collect() } else { (0..most).map(|k| k * samples / most).collect() }
 }
 
 /// Means of `y` in classes of equal count along `x`: mean x and mean y of each class with at least four points.
-#[must_use]
 pub fn quantile_means(x: &[f64], y: &[f64], classes: usize) -> (Vec<f64>, Vec<f64>) {
     let mut pairs: Vec<(f64, f64)> =
         x.iter().copied().zip(y.iter().copied()).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();

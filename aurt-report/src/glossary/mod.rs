@@ -2,12 +2,10 @@
 
 use std::sync::LazyLock;
 
-/// A term.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Term {
     /// What to ask for, snake_case.
     pub name: &'static str,
-    /// Its full name.
     pub title: &'static str,
     /// What it means, when to heed it, what to do.
     pub text: String,
@@ -58,7 +56,6 @@ const ALIASES: [(&str, &str); 26] = [
     ("zip", "sweep"),
 ];
 
-/// The term of a name.
 pub fn term(name: &str) -> Option<&'static Term> {
     let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, of)| of);
     terms().iter().find(|t| t.name == name)

@@ -4,7 +4,6 @@ use serde_json::{Value, json};
 
 /// `document` with the name of every joint beside its number: `joint_name` at each `joint`, `joint_names` at each list
 /// `joints`. Tables of models, which are read again, stay as they are.
-#[must_use]
 pub fn with_names(mut document: Value, names: &[String]) -> Value {
     if !names.is_empty() {
         add_names(&mut document, names);

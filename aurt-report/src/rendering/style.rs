@@ -14,7 +14,6 @@ use aurt_files::harmless;
 /// A part of a report that is set off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Emphasis {
-    /// A title.
     Title,
     /// Something that needs attention.
     Warning,
@@ -42,7 +41,6 @@ impl Style {
     pub const PLAIN: Self = Self { coloured: false };
 
     /// `text` between marks, if this style is coloured.
-    #[must_use]
     pub fn emphasise(self, emphasis: Emphasis, text: &str) -> String {
         let kind = match emphasis {
             Emphasis::Title => 't',
@@ -54,7 +52,6 @@ impl Style {
 
     /// A whole text for a terminal: harmful characters escaped, and marks replaced by sequences, or by nothing
     /// if this style is not coloured.
-    #[must_use]
     pub fn finished(self, text: &str) -> Cow<'_, str> {
         let mut pieces = text.split(MARK.as_str());
         let first = harmless(pieces.next().unwrap_or_default());

@@ -18,7 +18,6 @@ use crate::{
 };
 
 /// The page of a calibration in memory.
-#[must_use]
 pub fn of_outcome(Outcome { calibrated, recordings, .. }: &Outcome) -> Page {
     let CalibratedModel { model, calibration, .. } = calibrated;
     let results = Results { model, calibration, notes: &[], recordings };

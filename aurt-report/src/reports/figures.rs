@@ -4,23 +4,17 @@ use crate::figure::{
     Axis, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means, subsample,
 };
 
-/// A series of a figure.
 pub struct Series<'a> {
-    /// What the legend calls it.
     pub name: &'a str,
-    /// What it is of.
     pub style: Style,
-    /// Its values.
     pub values: &'a [f64],
 }
 
 /// Series over time in panels.
 pub struct TimeFigure<'a> {
-    /// Title.
     pub title: String,
     /// Stem of the file name.
     pub name: String,
-    /// What stands below.
     pub caption: String,
     /// Time of the samples, s.
     pub time_s: &'a [f64],

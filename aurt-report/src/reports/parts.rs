@@ -54,7 +54,6 @@ pub const fn joint_column(names: RobotNames<'_>) -> &'static str {
     if names.joints.is_empty() { "joint" } else { "<joint" }
 }
 
-/// How a calibration was computed.
 pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> Vec<(String, String)> {
     let options = &calibration.options;
     let unit = calibration.unit.symbol();

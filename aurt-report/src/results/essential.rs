@@ -37,7 +37,6 @@ pub fn shown(report: &EssentialReport) -> impl Iterator<Item = &EssentialStep> {
     report.steps.iter().take(made + SHOWN_BEYOND)
 }
 
-/// What became of a step.
 pub const fn status(step: &EssentialStep) -> &'static str {
     match (step.eliminated, step.significant) {
         (true, _) => "eliminated",

@@ -17,13 +17,9 @@ use crate::rendering::{
 /// A calibration with its errors on every recording.
 #[derive(Debug)]
 pub struct Results<'a> {
-    /// The model.
     pub model: &'a RobotModel,
-    /// Its calibration.
     pub calibration: &'a Calibration,
-    /// What was noted about the robot.
     pub notes: &'a [String],
-    /// The recordings.
     pub recordings: &'a [RecordingResult],
 }
 

@@ -21,9 +21,7 @@ use crate::{
 /// What a terminal shows of a verdict.
 #[derive(Debug, Clone, Copy)]
 pub struct Shown<'a> {
-    /// The verdict.
     pub verdict: &'a Verdict,
-    /// What was asked.
     pub asked: Asked,
     /// Symbol of the measurement's unit.
     pub unit: &'a str,
@@ -31,7 +29,6 @@ pub struct Shown<'a> {
     pub held_out: &'a [String],
     /// Warnings about the physics of the improved model, if there is one.
     pub about_physics: &'a [String],
-    /// Where all indications stand.
     pub all_in: &'a str,
 }
 
@@ -39,8 +36,6 @@ pub struct Shown<'a> {
 const SHOWN_INDICATIONS: usize = 3;
 
 impl<'a> Shown<'a> {
-    /// Of a diagnosis of recordings in memory.
-    #[must_use]
     pub fn of(explanation: &'a Explanation) -> Self {
         let Diagnosis { verdict, asked, unit } = &explanation.diagnosis;
         let held_out = &verdict.held_out.recordings;
@@ -50,7 +45,6 @@ impl<'a> Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// The lines.
     pub fn to_text(self, style: Style) -> String {
         let verdict = self.verdict;
         let mut text = style

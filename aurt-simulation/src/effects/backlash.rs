@@ -39,10 +39,6 @@ impl Physics for Backlash {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("gap_rad", vec![self.gap_rad])]
     }

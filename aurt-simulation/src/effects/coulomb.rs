@@ -25,10 +25,6 @@ impl Physics for Coulomb {
         Self { joints: context.joints.to_vec(), coulomb_nm: context.noises(1.2) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("coulomb_nm", self.coulomb_nm.clone())]
     }

@@ -27,10 +27,6 @@ impl Physics for CoulombAsymmetry {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         let with = |sign: f64| {
             self.mean_nm.iter().zip(&self.half_difference_nm).map(|(mean, half)| mean + sign * half).collect()

@@ -21,10 +21,6 @@ impl Physics for CurrentOffset {
         Self { joints: context.joints.to_vec(), offset_nm: context.noises(random.sign()) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("offset", self.offset_nm.clone())]
     }

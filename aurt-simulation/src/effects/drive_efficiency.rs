@@ -31,10 +31,6 @@ impl Physics for DriveEfficiency {
         Self { joints: context.joints.to_vec(), driving: vec![driving; joints], driven: vec![driven; joints] }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("driving", self.driving.clone()), ("driven", self.driven.clone())]
     }

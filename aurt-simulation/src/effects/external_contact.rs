@@ -18,7 +18,6 @@ pub struct ExternalContact {
 
 /// Duration of rise and fall, s.
 const EDGE_S: f64 = 0.08;
-/// Largest force, N.
 const LARGEST_N: f64 = 400.0;
 
 impl Physics for ExternalContact {

@@ -32,10 +32,6 @@ impl Physics for FrictionLevelChanged {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         let joints = self.joints.iter().chain(&self.joints);
         for (joint, change) in joints.zip(self.coulomb_change.iter_mut().chain(&mut self.viscous_change)) {

@@ -62,10 +62,6 @@ impl Physics for JointElasticity {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("stiffness_nm_rad", self.stiffness_nm_rad.clone()), ("damping_nm_s", self.damping_nm_s.clone())]
     }

@@ -26,10 +26,6 @@ impl Physics for LoadDependentFriction {
         Self { joints: context.joints.to_vec(), load_coefficient: vec![coefficient; context.joints.len()] }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("load_coefficient", self.load_coefficient.clone())]
     }

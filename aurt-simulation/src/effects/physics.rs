@@ -38,9 +38,11 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
     /// An effect of medium strength, as far as that can be said beforehand.
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self;
 
-    /// As [`Effect::joints`].
+    /// As [`Effect::joints`]: those that the fields `joint` or `joints` name.
     fn joints(&self) -> Vec<usize> {
-        Vec::new()
+        let fields = serde_json::to_value(self).unwrap_or_default();
+        let joints = fields["joints"].as_array().cloned().unwrap_or_else(|| vec![fields["joint"].clone()]);
+        joints.iter().filter_map(Value::as_u64).map(|joint| joint as usize).collect()
     }
 
     /// As [`Effect::parameters`].

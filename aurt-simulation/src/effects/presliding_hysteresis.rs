@@ -84,10 +84,6 @@ impl Physics for PreslidingHysteresis {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         for (joint, distance) in self.joints.iter().zip(&mut self.distance_rad) {
             *distance = (*distance * factor.on(*joint)).clamp(DISTANCES_RAD.0, DISTANCES_RAD.1);

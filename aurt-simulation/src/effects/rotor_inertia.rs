@@ -22,10 +22,6 @@ impl Physics for RotorInertia {
         Self { joints: context.joints.to_vec(), inertia_kg_m2: context.noises(0.7) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("inertia_kg_m2", self.inertia_kg_m2.clone())]
     }

@@ -25,10 +25,6 @@ impl Physics for Saturation {
         Self { joint, limit_nm: peak_nm * random.between(0.65, 0.8), peak_nm }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("limit", vec![self.limit_nm])]
     }

@@ -30,10 +30,6 @@ impl Physics for Spring {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("rest_rad", vec![self.rest_rad])]
     }

@@ -43,10 +43,6 @@ impl Physics for Stribeck {
         effect
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         let rest = self.coulomb_nm.iter().zip(&self.excess_nm).map(|(coulomb, excess)| coulomb + excess);
         vec![

@@ -56,10 +56,6 @@ impl Physics for TemperatureDependentFriction {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         for (joint, fall) in self.joints.iter().zip(&mut self.fall_per_k) {
             *fall = (*fall * factor.on(*joint)).min(0.12);

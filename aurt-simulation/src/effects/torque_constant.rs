@@ -22,10 +22,6 @@ impl Physics for TorqueConstant {
         Self { joints: context.joints.to_vec(), gain_error }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("gain_error", self.gain_error.clone())]
     }

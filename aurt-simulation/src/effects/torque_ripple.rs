@@ -49,10 +49,6 @@ impl Physics for TorqueRipple {
         }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        vec![self.joint]
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("order", vec![self.order]), ("amplitude_nm", vec![self.amplitude_nm])]
     }

@@ -22,10 +22,6 @@ impl Physics for Viscous {
         Self { joints: context.joints.to_vec(), viscous_nm_s: context.noises(2.0) }
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("viscous_nm_s", self.viscous_nm_s.clone())]
     }

@@ -30,10 +30,6 @@ impl Physics for ViscousAsymmetry {
         effect
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         let with = |sign: f64| {
             self.mean_nm_s

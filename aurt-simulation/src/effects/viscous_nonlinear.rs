@@ -58,10 +58,6 @@ impl Physics for ViscousNonlinear {
         effect
     }
 
-    fn joints(&self) -> Vec<usize> {
-        self.joints.clone()
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         for i in 0..self.bend_nm.len() {
             self.bend_nm[i] =

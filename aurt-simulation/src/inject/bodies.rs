@@ -61,7 +61,6 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, Simu
     Ok(torques)
 }
 
-/// The body of a payload.
 pub(super) fn body(added: &Added) -> Option<LinkBody> {
     let Law::Payload { com_m, gyration_m, .. } = &added.law else { return None };
     let i = added.size * gyration_m * gyration_m;

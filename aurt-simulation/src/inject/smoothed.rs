@@ -124,8 +124,6 @@ impl Smoothed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use aurt_recording::ReadReport;
-    use aurt_traits::MeasurementUnit;
 
     /// A sine at stamps that jitter, with a gap: value and derivatives come back.
     #[test]
@@ -135,16 +133,8 @@ mod tests {
             .filter(|t| !(4.0..4.06).contains(t))
             .collect();
         let omega = 2.0;
-        let recording = Recording {
-            file: "sine".into(),
-            position_rad: vec![time_s.iter().map(|t| 3.0 + libm::sin(omega * t)).collect()],
-            time_s,
-            velocity_rad_s: None,
-            measurement: None,
-            unit: MeasurementUnit::NewtonMetre,
-            joints: aurt_recording::RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        };
+        let sine = time_s.iter().map(|t| 3.0 + libm::sin(omega * t)).collect();
+        let recording = Recording::from_arrays(time_s, vec![sine]).unwrap();
         let smoothed = Smoothed::new(&recording, 5.0).unwrap();
         for k in 20..smoothed.samples() - 20 {
             let t = smoothed.time_s[k];
@@ -157,16 +147,7 @@ mod tests {
 
     #[test]
     fn too_few_samples_are_refused() {
-        let recording = Recording {
-            file: "short".into(),
-            time_s: vec![0.0, 0.01, 0.02],
-            position_rad: vec![vec![0.0; 3]],
-            velocity_rad_s: None,
-            measurement: None,
-            unit: MeasurementUnit::NewtonMetre,
-            joints: aurt_recording::RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        };
+        let recording = Recording::from_arrays(vec![0.0, 0.01, 0.02], vec![vec![0.0; 3]]).unwrap();
         let text = Smoothed::new(&recording, 5.0).unwrap_err().to_string();
         assert!(text.contains("3 samples are too few"), "{text}");
     }

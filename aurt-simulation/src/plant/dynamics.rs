@@ -8,11 +8,9 @@ use crate::error::SimulationError;
 /// What a dry contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Mode {
-    /// There is none.
     Absent,
     /// It slides in the direction 1 or −1.
     Slides(f64),
-    /// It holds.
     Holds,
 }
 
@@ -51,7 +49,6 @@ pub(crate) struct Plant {
     pub drive_nm: Vec<f64>,
     /// Friction power of each joint at the last evaluation, W.
     pub friction_w: Vec<f64>,
-    /// Sign of the transmitted load.
     load_sign: Vec<f64>,
     /// Memory of the joints' bristles and where their shafts were then.
     pub bristles: Vec<Vec<f64>>,

@@ -161,15 +161,7 @@ impl Robot {
     /// ([`excite_bodies`](crate::trajectory::excite_bodies)).
     #[must_use]
     pub fn of_limits(name: &str, limits: &[MotionLimits]) -> Self {
-        let row = MdhRow {
-            kind: JointKind::Revolute,
-            alpha_rad: 0.0,
-            a_m: 0.0,
-            d_m: 0.0,
-            theta_offset_rad: 0.0,
-            sign: 1.0,
-        };
-        Self::of_geometry(name, vec![row; limits.len()], [0.0; 3], limits)
+        Self::of_geometry(name, vec![row(0.0, 0.0, 0.0); limits.len()], [0.0; 3], limits)
     }
 
     /// Number of joints N.

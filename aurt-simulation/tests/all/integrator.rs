@@ -57,7 +57,6 @@ fn a_frictionless_arm_keeps_its_energy() {
     }
 }
 
-/// What viscous and Coulomb friction take is what is lost.
 #[test]
 fn friction_takes_its_work_from_the_energy() {
     let mut robot = frictionless(robots::ur10e());

@@ -3,7 +3,6 @@
 
 mod absurd;
 mod bristles;
-#[path = "../../examples/pictures/experiments.rs"]
 mod experiments;
 mod integrator;
 mod model;

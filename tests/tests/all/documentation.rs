@@ -35,7 +35,6 @@ fn pages() -> Vec<PathBuf> {
     pages
 }
 
-/// The code blocks of a page in a language.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     page.split("\n```")
         .skip(1)

@@ -6,7 +6,7 @@ use aurt_calibration::{CalibrationOptions, NamedRecording, calibrate};
 use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::{ChainDynamics, INERTIAL_PARAMETERS, MdhRows, MdhTable, SerialChain};
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, MeasurementUnit, ViscousBasis};
 use serde_json::json;
 
@@ -67,16 +67,8 @@ fn clean(dynamics: &mut ChainDynamics) -> Recording {
             torque[j].push(tau[j] + COULOMB_NM[j] * state[j][1].signum() + VISCOUS_NM_S[j] * state[j][1]);
         }
     }
-    Recording {
-        file: "known.csv".into(),
-        time_s,
-        position_rad: position,
-        velocity_rad_s: None,
-        measurement: Some(torque),
-        unit: MeasurementUnit::NewtonMetre,
-        joints: aurt_recording::RecordedJoints::Unnamed,
-        report: ReadReport::default(),
-    }
+    let recording = Recording::from_arrays(time_s, position).unwrap();
+    recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap()
 }
 
 #[test]

@@ -5,7 +5,7 @@ use aurt_calibration::NamedRecording;
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{ArmTerm, JointStack, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
@@ -103,16 +103,8 @@ pub fn recording(
             }
         }
     }
-    let recording = Recording {
-        file: name.into(),
-        time_s,
-        position_rad: position,
-        velocity_rad_s: None,
-        measurement: Some(torque),
-        unit: MeasurementUnit::NewtonMetre,
-        joints: aurt_recording::RecordedJoints::Unnamed,
-        report: ReadReport::default(),
-    };
+    let recording = Recording::from_arrays(time_s, position).unwrap().named(name);
+    let recording = recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap();
     NamedRecording { name: name.into(), data: preprocess(&recording, &PreprocessOptions::new(10.0)).unwrap() }
 }
 

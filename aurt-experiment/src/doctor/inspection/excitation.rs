@@ -23,7 +23,6 @@ pub enum Excitation {
 /// What a motion says of a model's coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excited {
-    /// Coefficient by coefficient.
     pub coefficients: Vec<Excitation>,
     /// Number of combinations that are determined: the rank.
     pub rank: usize,

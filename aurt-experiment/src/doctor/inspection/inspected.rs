@@ -21,7 +21,6 @@ use crate::doctor::mistakes::oddities;
 /// A recording in the unit that its stamps are in.
 #[derive(Debug, Clone)]
 pub struct Reading {
-    /// The recording.
     pub loaded: Loaded,
     /// That unit, where another was said.
     pub stamps: Option<StampUnit>,
@@ -29,9 +28,6 @@ pub struct Reading {
 
 impl Reading {
     /// Reads a recording, and reads it again where its stamps show that they are in another unit.
-    ///
-    /// # Errors
-    /// What `read` reports.
     pub fn of<E>(source: Source, read: impl Fn(Source) -> Result<Loaded, E>) -> Result<Self, E> {
         let loaded = read(source.clone())?;
         let read_in = source.recorded.time.unwrap_or(TimeUnit::Second);
@@ -49,11 +45,8 @@ impl Reading {
 
 /// A recording with what can be said of it by itself.
 pub struct Inspected {
-    /// As it was read.
     pub loaded: Loaded,
-    /// On its grid.
     pub prepared: Preprocessed,
-    /// Joint by joint.
     pub joints: Vec<JointReport>,
     /// The unit of its stamps, where that is another than was said; the recording is read in it.
     pub stamps: Option<StampUnit>,
@@ -61,9 +54,6 @@ pub struct Inspected {
 
 impl Inspected {
     /// Looks at a recording.
-    ///
-    /// # Errors
-    /// What makes it unfit.
     pub fn new(reading: Reading, preprocessing: &Preprocessing) -> Result<Self, Failure> {
         let Reading { loaded, stamps } = reading;
         let instrument = Instrument::default();
@@ -74,7 +64,6 @@ impl Inspected {
         Ok(Self { loaded, prepared, joints, stamps })
     }
 
-    /// What the user calls it.
     pub fn label(&self) -> &str {
         &self.loaded.source.label
     }
@@ -91,7 +80,6 @@ impl Inspected {
         notes
     }
 
-    /// Names of the joints.
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(self.loaded.recording.joints.names())
     }
@@ -120,9 +108,6 @@ impl Inspected {
 
     /// The recording as a calibration takes it, cut to the motion, with joints that rest exactly at rest: the noise of a
     /// sensor excites nothing.
-    ///
-    /// # Errors
-    /// If the series do not fit each other.
     pub fn still(&self, preprocessing: &Preprocessing) -> Result<NamedRecording, Failure> {
         let preprocessing = Preprocessing { trim_rest: true, ..preprocessing.clone() };
         let pipeline = Pipeline {
@@ -140,7 +125,6 @@ impl Inspected {
         Ok(NamedRecording { name: self.label().to_owned(), data })
     }
 
-    /// For people.
     pub fn to_text(&self, judged: Option<&Judged>, style: Style) -> String {
         let recording = &self.loaded.recording;
         let unit = recording.unit;
@@ -167,7 +151,6 @@ impl Inspected {
         text
     }
 
-    /// For programs.
     pub fn to_json(&self, judged: Option<&Judged>, findings: &[String]) -> Value {
         let recording = &self.loaded.recording;
         json!({

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::series::{resolution, reversals, white_noise};
 
-/// One joint of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointReport {
     /// Smallest and largest angle, rad.
@@ -37,14 +36,11 @@ pub struct MeasurementReport {
     pub range: [f64; 2],
     /// Root mean square.
     pub rms: f64,
-    /// Resolution.
     pub step: Option<f64>,
-    /// White noise.
     pub noise: Option<f64>,
 }
 
 impl JointReport {
-    /// Every joint of a recording.
     pub fn of(recording: &Recording, prepared: &Preprocessed, rest_velocity_rad_s: f64) -> Vec<Self> {
         (0..recording.joints())
             .map(|joint| Self::joint(recording, prepared, joint, rest_velocity_rad_s))
@@ -83,7 +79,6 @@ impl JointReport {
         }
     }
 
-    /// Whether the joint moves at all.
     pub fn moves(&self) -> bool {
         self.moving_share > 0.0
     }

@@ -20,26 +20,18 @@ const SMALL_OWN_SHARE: f64 = 0.02;
 
 /// The excitation of a model's parameters by a motion.
 pub struct Judged {
-    /// The model.
     pub model: RobotModel,
-    /// What the motion says of its coefficients.
     pub excited: Excited,
     /// What a calibration of the model on these recordings would warn of; nothing where they measured nothing.
     pub warnings: Vec<String>,
 }
 
 /// A model by its table.
-///
-/// # Errors
-/// All complaints about the table.
 pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
     registry.build_from_json(&table).map_err(Into::into)
 }
 
 /// Coulomb and linear viscous friction: the least that a joint has.
-///
-/// # Errors
-/// If the registry lacks a model.
 pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
@@ -50,9 +42,6 @@ pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// The same with friction that grows with the load.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "absolute" }))?,
@@ -63,9 +52,6 @@ pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// Coulomb friction that builds up over a distance, and linear viscous friction.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
@@ -76,9 +62,6 @@ pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
 }
 
 /// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
-///
-/// # Errors
-/// If a model is not registered.
 pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Failure> {
     ["rotor_inertia", "current_offset"]
         .map(|model| build::<dyn ArmTerm>(registry, json!({ "model": model })))
@@ -89,9 +72,6 @@ pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Fail
 impl Judged {
     /// Judges motions for a model, all together: what one does not excite another may. `unit` is that of the measurement,
     /// if there is any.
-    ///
-    /// # Errors
-    /// What models report.
     pub fn new(
         model: RobotModel,
         recordings: &[NamedRecording],
@@ -147,7 +127,6 @@ impl Judged {
         findings
     }
 
-    /// The same by names.
     pub fn named(&self) -> ExcitedNames<'_> {
         let own = |(k, e): (usize, &Excitation)| match e {
             Excitation::Own(share) => Some((self.model.parameters()[k].name.as_str(), *share)),
@@ -181,7 +160,6 @@ impl Judged {
         self.names(|e| matches!(e, Excitation::Own(share) if *share < SMALL_OWN_SHARE))
     }
 
-    /// For people.
     pub fn to_text(&self) -> String {
         let total = self.model.parameters().len();
         let (silent, combined, weak) = (self.silent(), self.combined(), self.weak());
@@ -208,7 +186,6 @@ impl Judged {
         text
     }
 
-    /// For programs.
     pub fn to_json(&self) -> Value {
         let parameters = self.model.parameters();
         let describe = |(k, excitation): (usize, &Excitation)| match excitation {

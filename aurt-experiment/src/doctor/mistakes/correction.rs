@@ -14,19 +14,13 @@ use super::{
 };
 
 /// The corrected text, and what it cannot express and remains to be done by hand.
-///
-/// # Errors
-/// If the text cannot be edited.
 pub fn corrected(
     experiment: &Experiment,
     subject: &Subject,
     examination: &Examination,
 ) -> Result<(String, Vec<String>), Failure> {
-    let refuse = |reason: String| Failure::Argument {
-        option: "--fixed",
-        reason,
-        remedy: "make the changes that are told by hand".into(),
-    };
+    let refuse =
+        |reason: String| Failure::argument("--fixed", reason, "make the changes that are told by hand");
     let mut document: DocumentMut =
         experiment.source_text.parse().map_err(|e: toml_edit::TomlError| refuse(e.message().to_owned()))?;
     let mut left = Vec::new();

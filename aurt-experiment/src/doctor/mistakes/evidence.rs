@@ -22,9 +22,7 @@ const LEAST_GAIN: f64 = 1.0;
 pub struct Evidence {
     /// Mean over rows of the logarithm of the likelihood ratio: Σ_j ln(r_j before / r_j after).
     pub gain: f64,
-    /// Its standard error.
     pub deviation: f64,
-    /// Batches.
     pub batches: usize,
 }
 
@@ -56,7 +54,6 @@ impl Evidence {
         Self { gain: -self.gain, ..self }
     }
 
-    /// For programs.
     pub fn to_json(self) -> Value {
         json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })
     }

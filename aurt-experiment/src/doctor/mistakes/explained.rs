@@ -20,13 +20,11 @@ const LEAST_MISSED: f64 = 0.05;
 /// A joint that a model hardly explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poor {
-    /// The joint.
     pub joint: usize,
     /// What of it is explained: 1 − Σe²/Σy² over the rows at which it moves, 0 at least.
     pub explained: f64,
     /// The recording, by its place.
     pub file: usize,
-    /// The name of the recording.
     pub recording: String,
     /// From when to when, s from the first stamp; all of the recording without.
     pub span_s: Option<[f64; 2]>,
@@ -37,7 +35,6 @@ pub struct Poor {
 /// The joints that a model hardly explains in a recording or in a stretch of one, whatever it was used for: a mistake in a
 /// recording that was fitted hardly shows in another. Joints that rest are left out: what holds them is friction that knows
 /// no sign.
-#[must_use]
 pub fn poorly_explained(recordings: &[RecordingResult]) -> Vec<Poor> {
     let of_recording = |(file, result): (usize, &RecordingResult)| {
         let moving = &result.validation.moving;
@@ -125,7 +122,6 @@ pub(super) fn heaviest(weights: impl IntoIterator<Item = f64>) -> Option<(Range<
 
 /// The sentence that says so: `This model explains 4 % of joint 2 (point_to_point.csv)`, or nothing of it. Each joint is told where it
 /// is explained least: on held-out recordings if it is poor there.
-#[must_use]
 pub fn loudly(poor: &[Poor], recordings: &[RecordingResult], names: RobotNames<'_>) -> Option<String> {
     let is_fitted = |p: &Poor| recordings.get(p.file).is_some_and(|r| r.role == Role::Calibration);
     let mut worst: Vec<&Poor> = poor.iter().filter(|p| p.says_enough()).collect();

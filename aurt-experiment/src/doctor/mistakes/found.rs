@@ -13,7 +13,6 @@ pub struct Found {
     pub after: Option<Score>,
     /// Fits that were tried.
     pub trials: usize,
-    /// What was compared with the setup that is there or that was found.
     pub compared: Vec<Compared>,
 }
 
@@ -26,7 +25,6 @@ pub struct Compared {
     pub across: Evidence,
     /// How much likelier it makes stretches of recordings, predicted from the rest of their own; where it matters.
     pub within: Option<Evidence>,
-    /// The error before and after.
     pub errors: [f64; 2],
 }
 
@@ -37,7 +35,6 @@ pub struct Step {
     pub likelier: Option<f64>,
     /// Of a mistake inside a recording: the errors of that recording, before and after.
     pub own: Option<[f64; 2]>,
-    /// The mistake.
     pub mistake: Mistake,
     /// The error once it is undone too.
     pub after: Score,

@@ -11,15 +11,9 @@ pub enum Mistake {
         to_m_s2: [f64; 3],
     },
     /// Links and joints are others.
-    Geometry {
-        /// In what way.
-        what: Table,
-        /// What they are.
-        joints: Vec<Joint>,
-    },
+    Geometry { what: Table, joints: Vec<Joint> },
     /// A recording is to be read otherwise.
     Reading {
-        /// In what way.
         what: Reading,
         /// The recording, by its place among the subject's; all if none.
         file: Option<usize>,
@@ -35,7 +29,6 @@ pub enum Table {
     Lengths(f64),
     /// The rows stand from tip to base.
     Reversed,
-    /// The columns a and d are exchanged.
     Exchanged,
     /// α has the other sign everywhere.
     Mirrored,
@@ -43,11 +36,8 @@ pub enum Table {
     Known(&'static str),
     /// A joint's zero is elsewhere: what is added to its angle, rad.
     Zero {
-        /// The joint.
         joint: usize,
-        /// What is added.
         offset_rad: f64,
-        /// Whether the robot is given by a table.
         in_table: bool,
     },
 }
@@ -57,7 +47,6 @@ pub enum Table {
 pub enum Reading {
     /// Positions are degrees.
     Degrees,
-    /// Positions are turns.
     Turns,
     /// Positions are those of motors behind a gear of this ratio.
     Geared(f64),
@@ -67,11 +56,9 @@ pub enum Reading {
     MeasurementSign(usize),
     /// A joint's axis points the other way: its position and its measurement have the other sign.
     AxisSign(usize),
-    /// All measurements have the other sign.
     AllMeasurementSigns,
     /// Joints stand in another order: joint j is column `order[j]`.
     Order {
-        /// In which columns.
         of: Columns,
         /// Where each joint is.
         order: Vec<usize>,
@@ -82,21 +69,17 @@ pub enum Reading {
     Time(f64),
     /// A joint's measurement is in another unit or behind another constant: what it is multiplied with.
     Gain {
-        /// The joint.
         joint: usize,
-        /// The factor.
         factor: f64,
     },
     /// The torque constants of two joints are exchanged.
     Constants {
-        /// The joints.
         joints: [usize; 2],
         /// What the first one's measurement is multiplied with, and the other's divided by.
         factor: f64,
     },
     /// It is only so in a stretch.
     During {
-        /// In what way it is to be read there.
         what: Box<Reading>,
         /// From and to when, s from the first stamp; an end without a number is that of the recording.
         span_s: [Option<f64>; 2],
@@ -106,11 +89,8 @@ pub enum Reading {
 /// Columns whose order can be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Columns {
-    /// Those of positions.
     Position,
-    /// Those of measurements.
     Measurement,
-    /// Both alike.
     Both,
 }
 
@@ -133,7 +113,6 @@ impl Mistake {
         }
     }
 
-    /// Whether it is a delay.
     pub fn is_delay(&self) -> bool {
         matches!(self, Self::Reading { what: Reading::Delay(_), .. })
     }

@@ -66,7 +66,6 @@ pub struct Examination {
     pub before: Option<Score>,
     /// How well it does with all mistakes undone.
     pub after: Option<Score>,
-    /// The mistakes.
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
@@ -74,7 +73,6 @@ pub struct Examination {
     /// What stays hardly explained in recordings, where no calibrated model says so.
     poor: Vec<Poor>,
     compares_robots: bool,
-    /// Whether the sign of gravity is not to be seen.
     has_open_gravity: bool,
     /// Whether the experiment has terms beside friction.
     has_terms: bool,
@@ -83,17 +81,11 @@ pub struct Examination {
 }
 
 /// Looks for the usual mistakes in a setup.
-///
-/// # Errors
-/// If a window holds no samples.
 pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Failure> {
     examined(subject, registry, Thorough::AnyJoint, None)
 }
 
 /// As [`examine`] for a setup on which a model was calibrated, with what that hardly explains.
-///
-/// # Errors
-/// As [`examine`].
 pub fn examine_calibrated(
     subject: &Subject,
     poor: &[Poor],
@@ -160,13 +152,11 @@ fn examined(
 
 impl Examination {
     /// The joints as people read them.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(&self.joint_names)
     }
 
     /// What was found, in sentences that say by how much it helps and what to change.
-    #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let before = std::iter::once(self.before.as_ref()).chain(self.steps.iter().map(|s| Some(&s.after)));
         self.steps
@@ -177,7 +167,6 @@ impl Examination {
     }
 
     /// The joints that are hardly explained in recordings, as a sentence.
-    #[must_use]
     pub fn unexplained(&self) -> Option<String> {
         let each: Vec<String> = self.poor.iter().map(|p| p.share(self.names())).collect();
         (!each.is_empty()).then(|| {
@@ -189,13 +178,11 @@ impl Examination {
     }
 
     /// What undoes each mistake, as orders.
-    #[must_use]
     pub fn cures(&self) -> Vec<String> {
         self.steps.iter().map(|s| wording::undone(&s.mistake, self.names())).collect()
     }
 
     /// What the recordings leave open of the setup, in sentences.
-    #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let of_gravity = "these currents do not tell the sign of gravity: the other way round it explains them as well; state \
                           `torque_constants_nm_per_a`, record motions that accelerate more, or make sure that the base stands as \
@@ -204,7 +191,6 @@ impl Examination {
     }
 
     /// A line for people on how well robot and recordings fit.
-    #[must_use]
     pub fn summary(&self) -> String {
         let Some(written) = &self.written else {
             return "this robot cannot be fitted to these recordings at all".into();
@@ -222,8 +208,6 @@ impl Examination {
         )
     }
 
-    /// For people.
-    #[must_use]
     pub fn to_text(&self, style: Style) -> String {
         let sentences = self.sentences();
         let emphasis = if self.is_serious() { Emphasis::Warning } else { Emphasis::Title };
@@ -238,8 +222,6 @@ impl Examination {
         text
     }
 
-    /// For programs.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         let score = |s: &Score| json!({ "error": s.total, "joints": s.joints });
         json!({
@@ -267,7 +249,6 @@ impl Examination {
 
 impl Examination {
     /// What is said if nothing was found.
-    #[must_use]
     pub const fn nothing(&self) -> &'static str {
         if self.compares_robots {
             "no common mistake explains more"
@@ -283,14 +264,12 @@ const HARDLY: f64 = 0.1;
 impl Examination {
     /// Whether it should be heeded whatever a calibrated model explains: a mistake was found, nothing can be fitted, or
     /// friction gives power.
-    #[must_use]
     pub fn is_serious(&self) -> bool {
         let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
         !self.steps.is_empty() || !self.poor.is_empty() || fed
     }
 
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.
-    #[must_use]
     pub fn hardly(&self) -> Option<String> {
         let Some(score) = &self.after else {
             return Some(

@@ -24,9 +24,6 @@ const END: f64 = 0.02;
 
 /// Adds the mistakes inside recordings to what was found of a setup; returns what stays hardly explained. After a calibration, what
 /// the calibrated model hardly explains is looked at, and if that is nothing, nothing is.
-///
-/// # Errors
-/// If a window holds no samples.
 pub fn search_recordings(
     subject: &Subject,
     bench: &Bench,

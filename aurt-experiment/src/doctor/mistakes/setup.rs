@@ -48,11 +48,8 @@ pub struct Subject {
     pub name: Option<String>,
     /// Gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
-    /// The recordings.
     pub recordings: Vec<Assigned>,
-    /// How they are preprocessed.
     pub preprocessing: Preprocessing,
-    /// What is undone in their measurements.
     pub instrument: Instrument,
     /// What the model has beside rigid bodies and friction.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
@@ -108,9 +105,6 @@ impl Subject {
     }
 
     /// The robot and the recordings of an experiment.
-    ///
-    /// # Errors
-    /// If the geometry gives no chain.
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
         let geometry = &experiment.robot.geometry;
         let rigid_body = experiment.robot.rigid_body()?;
@@ -164,9 +158,6 @@ fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
 }
 
 /// Reads what an experiment calibrates and validates on.
-///
-/// # Errors
-/// What is wrong with a file.
 pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
     let recordings = &experiment.recordings;
     let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
@@ -191,14 +182,12 @@ pub enum Extent {
     Brief,
     /// The beginning of each recording: for tests.
     Beginnings,
-    /// Whole recordings.
     Whole,
 }
 
 /// What one trial fits and judges.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    /// Links and joints.
     pub joints: Vec<Joint>,
     /// How each of them moves; empty where none follows another.
     pub couplings: Vec<Coupling>,
@@ -206,7 +195,6 @@ pub struct Setup {
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
     pub parts: Vec<Part>,
-    /// What was undone in it.
     pub undone: Vec<Mistake>,
     /// The model of these links and joints, once it was asked for; nothing in it if there is none.
     pub model: OnceLock<Option<Arc<RobotModel>>>,
@@ -217,13 +205,10 @@ pub struct Setup {
 pub struct Part {
     /// The recording that it is from, by its place among the subject's.
     pub file: usize,
-    /// What the user calls that.
     pub label: String,
     /// Whether it is fitted; otherwise it judges.
     pub fitted: bool,
-    /// The samples.
     pub recording: Arc<Recording>,
-    /// How it is preprocessed.
     pub options: Arc<Preprocessing>,
     /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
     /// the recording as it is, so that the same rows count whatever the units of angles and stamps.
@@ -245,7 +230,6 @@ impl Part {
     }
 
     /// The same with other samples or another way of preprocessing.
-    #[must_use]
     pub fn with(&self, recording: Arc<Recording>, options: Arc<Preprocessing>) -> Self {
         Self {
             file: self.file,
@@ -262,9 +246,6 @@ impl Part {
 
 impl Setup {
     /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does.
-    ///
-    /// # Errors
-    /// If a window holds no samples.
     pub fn of(subject: &Subject, extent: Extent) -> Result<Self, Failure> {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
@@ -300,7 +281,7 @@ impl Setup {
                 file,
                 label: label.clone(),
                 fitted,
-                recording: Arc::new(cut(&recording, range)),
+                recording: Arc::new(recording.rows(range)),
                 options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
                 slow_rad_s,
                 origin_s,
@@ -340,7 +321,7 @@ impl Setup {
         let options = &parts[parts.len() - 1].options;
         let bound = |k: usize| k * whole.samples() / STRETCHES;
         let stretches: Vec<Arc<Recording>> =
-            (0..STRETCHES).map(|k| Arc::new(cut(&whole, bound(k)..bound(k + 1)))).collect();
+            (0..STRETCHES).map(|k| Arc::new(whole.rows(bound(k)..bound(k + 1)))).collect();
         let judged_by = |judge: usize| {
             let part = |(k, stretch): (usize, &Arc<Recording>)| Part {
                 fitted: k != judge,
@@ -440,16 +421,6 @@ fn joined(mut first: Recording, second: &Recording) -> Recording {
         extend(family, by);
     }
     first
-}
-
-fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {
-    let family = |family: &Vec<Vec<f64>>| family.iter().map(|s| s[range.clone()].to_vec()).collect();
-    Recording {
-        time_s: recording.time_s[range.clone()].to_vec(),
-        position_rad: family(&recording.position_rad),
-        measurement: recording.measurement.as_ref().map(family),
-        ..recording.clone()
-    }
 }
 
 /// The median distance of stamps, s; 1 without two.

@@ -13,7 +13,6 @@ const FASTER: f64 = 3.0;
 
 /// A leap of a position.
 struct Slip {
-    /// The row after it.
     row: usize,
     size_rad: f64,
     speed_rad_s: f64,

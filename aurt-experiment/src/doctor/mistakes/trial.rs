@@ -39,7 +39,6 @@ pub struct Bench {
     pub separate: bool,
 }
 
-/// What was fitted.
 pub struct Fit {
     model: Arc<RobotModel>,
     /// Those of all joints, or of each.

@@ -106,7 +106,6 @@ impl Reading {
         part
     }
 
-    /// What speeds are multiplied with.
     fn speed(&self) -> f64 {
         match self {
             Self::Degrees => 1_f64.to_radians(),

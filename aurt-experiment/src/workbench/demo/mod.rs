@@ -10,7 +10,6 @@ use aurt_simulation::{
 /// The experiment, as it is written into the demo's folder.
 pub const EXPERIMENT: &str = include_str!("experiment.toml");
 
-/// A file of the demo.
 pub type File = (String, Vec<u8>);
 
 /// Joints whose friction grows with the load, as in the experiment.
@@ -18,7 +17,6 @@ const LOADED_JOINTS: [usize; 2] = [1, 2];
 /// Their dry friction per transmitted torque.
 const LOAD_COEFFICIENT: f64 = 0.08;
 
-/// The robot that the recordings are of.
 pub fn robot() -> Robot {
     let mut robot = robots::ur10e();
     for joint in LOADED_JOINTS {
@@ -28,9 +26,6 @@ pub fn robot() -> Robot {
 }
 
 /// Geometry, recordings and experiment.
-///
-/// # Errors
-/// What the simulator reports.
 pub fn files() -> Result<Vec<File>, SimulationError> {
     let robot = robot();
     let exciting = Motion::MultiSine { duration_s: 20.0, harmonics: 8, top_hz: 1.0, share: 0.6 };

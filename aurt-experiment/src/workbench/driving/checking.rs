@@ -27,9 +27,6 @@ const SIGNALS: [(CommandSignal, &str); 2] =
 /// Checks the recordings of an experiment and tells how its commands act between two rows: the drive is estimated with commands
 /// that hold and with commands on the line between two, both with a delay, and the positions of all recordings decide: both have
 /// the same numbers to fit.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };

@@ -32,9 +32,6 @@ const EXPECTED: f64 = 2.0;
 const NUMERICAL: f64 = 0.01;
 
 /// Says which structures the held-out recordings need, which the experiment's model lacks, and whether more is missing.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn diagnose_drives(
     experiment: &Experiment,
     without: &[String],

@@ -24,9 +24,6 @@ const SLOWEST_RAD_S: f64 = 2.0;
 
 impl CalibratedDrive {
     /// The MuJoCo model of a robot called `name`, with a script for what MuJoCo has no words for.
-    ///
-    /// # Errors
-    /// What no MuJoCo model can have.
     pub fn to_mjcf(&self, name: &str) -> Result<Exported, Failure> {
         let arm = &self.arm;
         let mut standard = arm.standard_parameters.clone();

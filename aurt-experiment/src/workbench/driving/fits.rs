@@ -12,13 +12,11 @@ use crate::workbench::failure::Failure;
 
 /// Drives and joints that others fitted.
 pub(super) struct Fit {
-    /// What the file is.
     pub kind: &'static str,
     /// One for each joint; surroundings (stops, loads) are not part of it.
     pub joints: Vec<(PositionServo, Mechanics)>,
     /// True where zeros of the joints are part of it.
     pub has_zeros: bool,
-    /// What of it has no counterpart or another meaning.
     pub lost: Vec<String>,
 }
 
@@ -26,7 +24,6 @@ const MJCF: &str = "MJCF";
 /// The least inertia that can be simulated.
 const LEAST_ROTOR_KG_M2: f64 = 1e-7;
 
-/// A servo that is its gain alone.
 fn bare(gain_nm_per_rad: f64) -> PositionServo {
     PositionServo { gain_nm_per_rad, back_emf_nm_s_per_rad: 0.0, delay_s: 0.0, ..PositionServo::default() }
 }

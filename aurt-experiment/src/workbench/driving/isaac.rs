@@ -27,15 +27,11 @@ const DROPPED: [(&str, f64); 9] = [
 
 impl CalibratedDrive {
     /// The actuators of a robot called `name`; with an experiment, what is lost is said as the error of its held-out recordings.
-    ///
-    /// # Errors
-    /// Drives that follow no positions, a name that is no identifier, recordings that cannot be used.
     pub fn to_isaac(&self, name: &str, experiment: Option<&Experiment>) -> Result<Exported, Failure> {
         let arm = &self.arm;
         if !follows_positions(arm) {
-            let (option, remedy) = ("TARGET", "export a drive that follows positions".to_owned());
-            let reason = "actuators of Isaac Lab follow positions, and these drives do not".into();
-            return Err(Failure::Argument { option, reason, remedy });
+            let reason = "actuators of Isaac Lab follow positions, and these drives do not";
+            return Err(Failure::argument("TARGET", reason, "export a drive that follows positions"));
         }
         let actuator = |joint: &aurt_calibration::drives::DrivenJoint| {
             let (numbers, mechanics) = (joint.drive.parameters(), &joint.mechanics);

@@ -36,7 +36,6 @@ pub use checking::check_drives;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
 
-/// The file of a calibrated arm with drives.
 pub const DRIVE_FILE: &str = "drive_calibrated.json";
 
 /// What [`DRIVE_FILE`] holds.
@@ -53,9 +52,6 @@ pub struct CalibratedDrive {
 
 impl CalibratedDrive {
     /// Reads a calibrated arm; none if the file is another kind of model.
-    ///
-    /// # Errors
-    /// A model of drives that is damaged.
     pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
         let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).unwrap_or_default();
         let Ok(value) = serde_json::from_str::<Value>(&text) else { return Ok(None) };
@@ -63,9 +59,6 @@ impl CalibratedDrive {
     }
 
     /// The calibrated arm in what was read of a file; none if it is another kind of model. `path` is what errors call it.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn from_document(path: &Path, value: &Value) -> Result<Option<Self>, Failure> {
         let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
         if value.get("drive_schema").is_none() {
@@ -80,13 +73,10 @@ impl CalibratedDrive {
     }
 
     /// The joints as people read them.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(&self.joint_names)
     }
 
-    /// The joints that recordings of it have.
-    #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         let joints = self.arm.chain.joints();
         RobotJoints {
@@ -98,9 +88,6 @@ impl CalibratedDrive {
     }
 
     /// The positions of a rollout over a recording of commands, as a table with a row for each row of it, and what to note.
-    ///
-    /// # Errors
-    /// A recording that cannot be read or used, a simulation that diverges.
     pub fn rollout_file(&self, source: Source) -> Result<(Vec<u8>, Vec<String>), Failure> {
         let read = read(source, &self.robot_joints(), &self.arm)?;
         let simulated = self
@@ -114,11 +101,8 @@ impl CalibratedDrive {
 /// What a `[drive]` gave.
 #[derive(Debug)]
 pub struct DriveOutcome {
-    /// For people.
     pub text: String,
-    /// For programs.
     pub json: Value,
-    /// Files by name.
     pub files: Vec<(String, Vec<u8>)>,
     /// Whether something is doubtful or missing.
     pub findings: bool,
@@ -133,14 +117,10 @@ struct Read {
     held_out: bool,
     recording: DriveRecording,
     notes: Vec<String>,
-    /// What is wrong with it.
     doubts: Vec<String>,
 }
 
 /// Estimates the drives of an experiment, and rolls out all its recordings.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };

@@ -43,7 +43,6 @@ const STATED: [&str; 7] = [
 /// A structure that a number stands for: the structure's own number and value there, and its part of the change.
 type Part = (Structure, String, f64, f64);
 
-/// A number of the fit.
 struct Number<'a> {
     given: f64,
     again: &'a EstimatedNumber,
@@ -68,9 +67,6 @@ impl Number<'_> {
 }
 
 /// Judges the drives and joints that others fitted by the recordings of an experiment; a file of `parameters` corrects them.
-///
-/// # Errors
-/// Why it could not be done.
 pub fn second_opinion(
     experiment: &Experiment,
     file: &Path,
@@ -322,7 +318,6 @@ impl Said<'_> {
         })
     }
 
-    /// What to record to tell.
     fn record(&self) -> Vec<&'static str> {
         let mut names: Vec<String> = self.again.undetermined.iter().flat_map(|u| u.names.clone()).collect();
         names.extend(self.absorbing().flat_map(|(_, parts)| parts.into_iter().map(|p| p.1.clone())));

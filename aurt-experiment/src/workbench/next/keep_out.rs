@@ -37,7 +37,6 @@ impl KeepOut {
 pub(super) struct KeepOutCheck {
     /// Geometry of the arm.
     pub(super) chain: SerialChain,
-    /// Boxes that it stays out of.
     pub(super) boxes: Vec<KeepOut>,
 }
 

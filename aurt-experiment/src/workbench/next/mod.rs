@@ -17,7 +17,7 @@ use aurt_diagnosis::discrimination::{
 use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
-use aurt_recording::{ReadReport, RecordedJoints, Recording};
+use aurt_recording::Recording;
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
 use rayon::prelude::*;
 
@@ -30,7 +30,6 @@ use limits::limits_of;
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
 pub struct NextOptions {
-    /// How the experiment is diagnosed.
     pub diagnosis: DiagnosisOptions,
     /// Limits of the joints; by default what the recordings show: where the arm has been, and how fast.
     pub limits: Option<Vec<MotionLimits>>,
@@ -63,16 +62,13 @@ pub struct Next {
     sure_nats: f64,
     /// Rows per second of the recordings.
     pub rate_hz: f64,
-    /// Where the limits are from.
     pub notes: Vec<String>,
 }
 
 /// A motion that was planned.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The motion.
     pub trajectory: Trajectory,
-    /// Its pieces in words.
     pub pieces: Vec<String>,
     /// The largest torque of each joint that the model predicts, and the largest that was recorded.
     pub torque: Vec<[f64; 2]>,
@@ -81,9 +77,7 @@ pub struct Plan {
 /// A doubt, and what recordings would do about it.
 #[derive(Debug, Clone)]
 pub struct Open {
-    /// The doubt.
     pub doubt: Doubt,
-    /// With the planned motion.
     pub planned: Outlook,
     /// With the motions of the present recordings for as long.
     pub again: Outlook,
@@ -110,9 +104,6 @@ const SHARE: f64 = 0.8;
 const EVER: [f64; 2] = [0.5, 0.05];
 
 /// Plans the next motion for an experiment.
-///
-/// # Errors
-/// What makes a recording unfit, and what the diagnosis reports; limits without room.
 pub fn plan_next(
     experiment: &Experiment,
     registry: &Registry,
@@ -136,10 +127,8 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
     }
     let robot = &experiment.robot;
     let chain = robot.geometry.chain(robot.gravity_m_s2)?;
-    let refuse = |reason: &str| {
-        let remedy = "keep the arm away with --limits".into();
-        Err(Failure::Argument { option: "--keep-out", reason: reason.into(), remedy })
-    };
+    let refuse =
+        |reason: &str| Err(Failure::argument("--keep-out", reason, "keep the arm away with --limits"));
     if chain.joints().len() != robot.robot_joints().count {
         return refuse(
             "joints of this robot follow others (mimic), and their motions are not compared with boxes",
@@ -164,7 +153,6 @@ struct Planner<'a> {
     recorded: Vec<f64>,
 }
 
-/// A piece that was drawn.
 struct Piece {
     trajectory: Trajectory,
     words: String,
@@ -182,11 +170,11 @@ impl<'a> Planner<'a> {
         let (limits, mut notes) = match &options.limits {
             Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
             Some(limits) => {
-                return Err(Failure::Argument {
-                    option: "--limits",
-                    reason: format!("has limits of {} joints, the robot has {joints}", limits.len()),
-                    remedy: "write a row for each joint".into(),
-                });
+                return Err(Failure::argument(
+                    "--limits",
+                    format!("has limits of {} joints, the robot has {joints}", limits.len()),
+                    "write a row for each joint",
+                ));
             }
             None => limits_of(question.recordings, question.model.names()),
         };
@@ -302,11 +290,11 @@ impl<'a> Planner<'a> {
         }
         if drawn.is_empty() {
             let (option, what, remedy) = refusal;
-            return Err(Failure::Argument {
+            return Err(Failure::argument(
                 option,
-                reason: format!("no motion of up to {:.1} s {what}", self.options.duration_s),
-                remedy: remedy.into(),
-            });
+                format!("no motion of up to {:.1} s {what}", self.options.duration_s),
+                remedy,
+            ));
         }
         progress.step(format!("evaluating {} motions", drawn.len()));
         let evaluated = drawn.into_par_iter().map(|(trajectory, words)| {
@@ -323,11 +311,11 @@ impl<'a> Planner<'a> {
         };
         let safe: Vec<Piece> = pieces.filter(is_safe).collect();
         if safe.is_empty() {
-            return Err(Failure::Argument {
-                option: "--limits",
-                reason: "no motion that was tried needs torques as small as the recorded ones".into(),
-                remedy: "state the limits of the arm in a table, or try more with --tries".into(),
-            });
+            return Err(Failure::argument(
+                "--limits",
+                "no motion that was tried needs torques as small as the recorded ones",
+                "state the limits of the arm in a table, or try more with --tries",
+            ));
         }
         Ok(safe)
     }
@@ -392,17 +380,9 @@ impl<'a> Planner<'a> {
                 series.push(if step > 0.0 { step * (noisy / step).round() } else { noisy });
             }
         })?;
-        let rows = time_s.len();
-        Ok(Recording {
-            file: "the planned motion".into(),
-            time_s,
-            position_rad,
-            velocity_rad_s: None,
-            measurement: Some(vec![vec![0.0; rows]; joints]),
-            unit: self.question.unit,
-            joints: RecordedJoints::Unnamed,
-            report: ReadReport::default(),
-        })
+        let unknown = vec![vec![0.0; time_s.len()]; joints];
+        let recording = Recording::from_arrays(time_s, position_rad)?.named("the planned motion");
+        Ok(recording.with_measurement(unknown, self.question.unit)?)
     }
 
     /// A multi-sine as one plans it without knowing what is open.
@@ -493,7 +473,6 @@ impl Exchange<'_> {
     }
 }
 
-/// The moments of several pieces.
 fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
     let first = pieces.next()?.planned.clone();
     Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))

@@ -7,7 +7,6 @@ use super::{Next, Open, Plan, SURE};
 
 impl Next {
     /// The plan for people.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         if self.open.is_empty() {
@@ -103,7 +102,6 @@ impl Next {
     }
 
     /// The plan for programs.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         let outlook = |o: &Outlook| {
             json!({"settled": o.settled, "wrongly": o.wrongly, "nats": o.nats, "free": o.free, "interval": o.interval.as_ref().map(

@@ -14,25 +14,18 @@ use serde_json::Value;
 
 use crate::workbench::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
 
-/// What was found, and for what.
 #[derive(Debug)]
 pub struct Answered<'a> {
-    /// The limits.
     pub rows: &'a [Row],
     /// Whole diagnoses at twice and at half of some limits.
     pub checks: &'a [Check],
-    /// What effects were added to.
     pub subject: &'a Subject,
-    /// What is said of the recordings as they are.
     pub said: Answer,
-    /// Seed of the shapes.
     pub seed: u64,
-    /// The results for programs.
     pub document: &'a Value,
 }
 
 impl Answered<'_> {
-    /// The page.
     pub fn page(&self) -> Page {
         let mut provenance = parts::program("sensitivity");
         let real = self.subject.injection.real();
@@ -161,7 +154,6 @@ impl Answered<'_> {
         }
     }
 
-    /// What whole diagnoses say.
     fn checked(&self) -> Section {
         let mut table = Table::new(
             "The shape of the first draw in the recordings' own noise, at twice and at half of the size from which on the trials \

@@ -14,8 +14,6 @@ use serde_json::Value;
 
 use crate::workbench::tracking::{Alarm, Tracked, TrackedRecording};
 
-/// The page.
-#[must_use]
 pub fn page(tracked: &Tracked, document: &Value) -> Page {
     let mut provenance = parts::program("track");
     let options = &tracked.options;
@@ -50,8 +48,6 @@ pub fn page(tracked: &Tracked, document: &Value) -> Page {
     }
 }
 
-/// What a terminal shows.
-#[must_use]
 pub fn text(tracked: &Tracked) -> String {
     let mut text = format!("{}\n", headline(tracked));
     tracked.alarms.iter().for_each(|alarm| {
@@ -82,8 +78,6 @@ fn headline(tracked: &Tracked) -> String {
     }
 }
 
-/// An alarm in words.
-#[must_use]
 pub fn sentence(alarm: &Alarm) -> String {
     let of = |joint: usize| alarm.joint_name.clone().unwrap_or_else(|| format!("joint {joint}"));
     let what = match (alarm.group, alarm.joint) {

@@ -13,7 +13,6 @@ use crate::workbench::failure::Failure;
 /// found. Rows are those of the diagnosis, filtered and decimated.
 #[derive(Debug, Clone)]
 pub struct DiagnosedSeries {
-    /// The rows.
     pub rows: RecordingSeries,
     /// The stamp from which they count, s after `origin_s`.
     pub first_s: f64,
@@ -21,7 +20,6 @@ pub struct DiagnosedSeries {
     pub origin_s: f64,
     /// Names of the joints; empty where they have none.
     pub joint_names: Vec<String>,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
 }
 
@@ -29,9 +27,6 @@ type Series = Vec<Vec<f64>>;
 
 impl DiagnosedSeries {
     /// The contents of a file.
-    ///
-    /// # Errors
-    /// Stamps that MCAP cannot have.
     pub fn to_file(&self, format: SeriesFormat, verdict: &Verdict) -> Result<Vec<u8>, Failure> {
         let RecordingSeries { name, role, time_s, joints, .. } = &self.rows;
         let of = |values: fn(&JointSeriesRows) -> &Vec<f64>| -> Series {
@@ -83,9 +78,6 @@ impl DiagnosedSeries {
 }
 
 /// The series of a diagnosis, each as the name and the contents of a file. Parts of one file have a file each.
-///
-/// # Errors
-/// As [`DiagnosedSeries::to_file`].
 pub fn files(
     series: &[DiagnosedSeries],
     verdict: &Verdict,

@@ -25,14 +25,11 @@ pub enum SeriesFormat {
 
 impl SeriesFormat {
     /// The one that the ending of a file asks for.
-    #[must_use]
     pub fn of_ending(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
         [Self::Parquet, Self::Mcap].into_iter().find(|format| format.ending().eq_ignore_ascii_case(ending))
     }
 
-    /// The ending of its files.
-    #[must_use]
     pub const fn ending(self) -> &'static str {
         match self {
             Self::Parquet => "parquet",
@@ -56,17 +53,12 @@ pub struct Series {
     pub position_rad: Vec<Vec<f64>>,
     /// The measurement in the unit of the model, unfiltered, gains and offsets undone, if there is one.
     pub measured: Option<Vec<Vec<f64>>>,
-    /// The prediction.
     pub predicted: Vec<Vec<f64>>,
-    /// Unit of both.
     pub unit: MeasurementUnit,
 }
 
 impl Series {
     /// What a model says of a recording. Rows that were dropped as corrupt are not among them.
-    ///
-    /// # Errors
-    /// What makes the recording unfit.
     pub fn of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<Self, Failure> {
         let CalibratedModel { model, calibration, .. } = calibrated;
         let pipeline = calibrated.pipeline();
@@ -98,7 +90,6 @@ impl Series {
     }
 
     /// Measured minus predicted.
-    #[must_use]
     pub fn residual(&self) -> Option<Vec<Vec<f64>>> {
         let difference = |(measured, predicted): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
             measured.iter().zip(predicted).map(|(m, p)| m - p).collect()
@@ -107,9 +98,6 @@ impl Series {
     }
 
     /// The contents of a file; `facts` say where the model comes from, `path` is what errors name.
-    ///
-    /// # Errors
-    /// Stamps that MCAP cannot have.
     pub fn to_file(
         &self,
         format: SeriesFormat,
@@ -209,9 +197,6 @@ impl Written<'_> {
 }
 
 /// The series of recordings, each as the name and the contents of a file. A file that occurs twice has one.
-///
-/// # Errors
-/// As [`Series::of`] and [`Series::to_file`].
 pub fn files(
     job: &Job,
     calibrated: &CalibratedModel,

@@ -13,13 +13,11 @@ use crate::workbench::failure::Failure;
 /// What whole diagnoses say of an effect on a joint, in the shape of the first draw.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// Identifier of the effect.
     pub effect: String,
     /// The joint; none for effects of the whole arm.
     pub joint: Option<usize>,
     /// Size from which on the trials name that shape in the recordings' own noise.
     pub named_from: f64,
-    /// Unit of the size.
     pub unit: String,
     /// Whether a whole diagnosis names it at twice that size.
     pub named_at_double: bool,
@@ -28,9 +26,6 @@ pub struct Check {
 }
 
 /// Checks at most `most` rows, spread evenly over those that have a limit in the recordings' own noise.
-///
-/// # Errors
-/// What the diagnoses report.
 pub fn check(
     trials: &Trials<'_>,
     rows: &[Row],

@@ -1,9 +1,7 @@
 use aurt_diagnosis::{Answer, Verdict};
 
-/// What a diagnosis claims.
 #[derive(Debug, Clone, Default)]
 pub struct Claims {
-    /// Whether the verdict names something.
     names: bool,
     /// Whether the verdict says that what is missing has no name.
     unexplained: bool,
@@ -14,7 +12,6 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// What a verdict claims.
     pub fn of(verdict: &Verdict) -> Self {
         Self {
             names: matches!(verdict.verdict, Answer::Named | Answer::PartlyExplained),
@@ -41,7 +38,6 @@ impl Claims {
         self.claims.iter().any(|(name, joints)| name == effect && joint.is_none_or(|j| joints.contains(&j)))
     }
 
-    /// Whether an effect is named.
     pub fn names(&self, effect: &str, joint: Option<usize>) -> bool {
         self.names && self.lists(effect, joint)
     }

@@ -36,9 +36,6 @@ pub struct Limit {
 
 /// The smallest of `0..top` at which `holds`, if it holds from somewhere on: outwards from a guess in growing steps, then by
 /// halves.
-///
-/// # Errors
-/// What `holds` reports.
 pub fn smallest<E>(
     top: usize,
     guess: usize,

@@ -73,7 +73,6 @@ impl<'a> Probe<'a> {
         Ok((built.added, built.reached))
     }
 
-    /// The effect at a level.
     fn at(&self, level: usize) -> Result<Added, SimulationError> {
         Ok(match &self.unit {
             Some((size, _)) => self.shape.of_size(size * LEVELS[level]),

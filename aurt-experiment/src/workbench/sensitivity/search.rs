@@ -28,7 +28,6 @@ pub enum Status {
     Named,
     /// Not even the strongest was named in enough draws.
     NotNamed,
-    /// The diagnosis claims it of the recordings as they are.
     AlreadyClaimed,
     /// The experiment's structure or the machine's limits leave nothing of it to be seen.
     Absorbed,
@@ -39,15 +38,11 @@ pub enum Status {
 /// An effect on a joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Identifier of the effect.
     pub effect: String,
     /// The joint; none for effects of the whole arm.
     pub joint: Option<usize>,
-    /// What became of it.
     pub status: Status,
-    /// What the size is.
     pub quantity: String,
-    /// Unit of the size.
     pub unit: String,
     /// From which size on it is named, in four of five draws.
     pub named_from: Option<Limit>,
@@ -57,7 +52,6 @@ pub struct Row {
     pub draws: Vec<Option<f64>>,
 }
 
-/// What a draw found.
 #[derive(Debug, Clone)]
 struct Found {
     shape: Added,
@@ -72,9 +66,6 @@ struct Limits {
 }
 
 /// The limits of effects on joints, each by itself.
-///
-/// # Errors
-/// What the diagnoses report.
 pub fn search(
     trials: &Trials<'_>,
     effects: &[Kind],

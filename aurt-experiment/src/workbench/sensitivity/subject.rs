@@ -14,7 +14,6 @@ use crate::workbench::{diagnosing::selection, experiments::calibration_options, 
 pub struct Subject {
     /// The recordings, and what the experiment's structure leaves of them.
     pub injection: Injection,
-    /// What each recording is for.
     pub split: Split,
     model: RobotModel,
     calibration: CalibrationOptions,
@@ -28,15 +27,12 @@ pub struct Subject {
 pub struct Place {
     /// Its number among those of the injection.
     pub number: usize,
-    /// What it is for.
     pub role: Role,
-    /// Whether effects are added to it.
     pub affected: bool,
 }
 
 impl Subject {
     /// Names of the robot's joints and links.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         self.model.names()
     }
@@ -95,16 +91,12 @@ impl Subject {
     }
 
     /// A recording of the question with effects, as read.
-    ///
-    /// # Errors
-    /// If the rigid bodies refuse.
     pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
         let recorded = &self.injection.recorded()[place.number];
         let here: Vec<&Added> = effects.iter().copied().filter(|e| self.has(place, e)).collect();
         Ok(applied(&here, &recorded.scene, &recorded.recording)?)
     }
 
-    /// The recordings with effects.
     fn with(&self, effects: &[&Added]) -> Result<Vec<QuestionedRecording>, Failure> {
         let options = &self.injection.real().options;
         let one = |place: Place| {
@@ -115,7 +107,6 @@ impl Subject {
         self.places().into_iter().map(one).collect()
     }
 
-    /// What is asked of the recordings as they are.
     pub fn question(&self) -> Question<'_> {
         self.asked(&self.recordings)
     }
@@ -136,9 +127,6 @@ impl Subject {
     }
 
     /// What a whole diagnosis claims of the recordings with effects.
-    ///
-    /// # Errors
-    /// What the diagnosis reports.
     pub fn diagnosed(&self, effects: &[&Added], registry: &Registry) -> Result<Claims, Failure> {
         let recordings = self.with(effects)?;
         let question = self.asked(&recordings);

@@ -37,11 +37,8 @@ impl Route {
 /// The diagnosis of the recordings as they are, and of what is added to them.
 #[derive(Debug)]
 pub struct Trials<'a> {
-    /// The recordings.
     pub subject: &'a Subject,
-    /// Their diagnosis as they are.
     pub prepared: &'a Prepared<'a>,
-    /// What that claims.
     pub reference: Claims,
     registry: &'a Registry,
 }
@@ -53,9 +50,6 @@ impl<'a> Trials<'a> {
     }
 
     /// The rows that an effect adds to the recordings.
-    ///
-    /// # Errors
-    /// What the rigid bodies and the filters report.
     pub fn rows(&self, effect: &Added) -> Result<AddedRows, Failure> {
         let mut rows = self.prepared.nothing();
         for (r, place) in self.subject.places().into_iter().enumerate() {
@@ -69,9 +63,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What is claimed of rows with an effect; `turn` is that of [`Prepared::said_with`].
-    ///
-    /// # Errors
-    /// What the diagnosis reports.
     pub fn claims(&self, kind: &Kind, added: &AddedRows, turn: f64) -> Result<Claims, Failure> {
         let joints = self.subject.injection.joints();
         Ok(match self.prepared.said_with(kind.identifier, added, turn)? {
@@ -85,9 +76,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What is claimed of recordings that an effect makes faulty.
-    ///
-    /// # Errors
-    /// What preprocessing reports.
     pub fn faults(&self, effect: &Added) -> Result<Claims, Failure> {
         let places = self.subject.places().into_iter();
         let altered =
@@ -100,9 +88,6 @@ impl<'a> Trials<'a> {
     }
 
     /// What a whole diagnosis claims.
-    ///
-    /// # Errors
-    /// What it reports.
     pub fn whole(&self, effect: &Added) -> Result<Claims, Failure> {
         self.subject.diagnosed(&[effect], self.registry)
     }

@@ -60,7 +60,6 @@ impl TrackOptions {
 /// A recording's drift.
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackedRecording {
-    /// The recording.
     pub recording: String,
     /// What was measured of it, s.
     pub duration_s: f64,
@@ -75,33 +74,25 @@ pub struct TrackedRecording {
 /// A change that charts found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Alarm {
-    /// What changed.
     pub group: DriftGroup,
     /// Its joint; none for the load.
     pub joint: Option<usize>,
     /// That joint's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_name: Option<String>,
-    /// The parameter.
     pub parameter: String,
-    /// Whether it rose.
     pub rose: bool,
-    /// The recording in which the change began.
     pub since_recording: String,
     /// From that recording's first stamp, s.
     pub since_s: f64,
-    /// The recording in which it was certain.
     pub certain_recording: String,
     /// End of the window in which it was certain, from that recording's first stamp, s.
     pub certain_s: f64,
 }
 
-/// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tracked {
-    /// How.
     pub options: TrackOptions,
-    /// The parameters.
     pub parameters: Vec<DriftParameter>,
     /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -120,7 +111,6 @@ pub struct Tracked {
     pub recordings: Vec<TrackedRecording>,
     /// Alarms, in the order in which they were certain.
     pub alarms: Vec<Alarm>,
-    /// What to know.
     pub notes: Vec<String>,
 }
 
@@ -129,13 +119,11 @@ pub struct Tracked {
 pub enum Followed {
     /// A file, or [`STANDARD_INPUT`].
     File(PathBuf),
-    /// A recording in memory.
     Recording(Arc<Recording>),
 }
 
 impl Followed {
     /// Whether its rows come on standard input.
-    #[must_use]
     pub fn is_running(&self) -> bool {
         matches!(self, Self::File(path) if path.as_path() == Path::new(STANDARD_INPUT))
     }
@@ -161,12 +149,11 @@ pub fn track(
     said: &mut dyn FnMut(&Alarm),
 ) -> Result<Tracked, Failure> {
     if experiment.arm_term_recordings.iter().any(Option::is_some) {
-        return Err(Failure::Argument {
-            option: "EXPERIMENT.toml",
-            reason: "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does"
-                .into(),
-            remedy: "calibrate without that term, on recordings without it".into(),
-        });
+        return Err(Failure::argument(
+            "EXPERIMENT.toml",
+            "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does",
+            "calibrate without that term, on recordings without it",
+        ));
     }
     check_robot_of(calibrated, experiment)?;
     let calibration = &calibrated.calibration;
@@ -286,20 +273,18 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in paths {
         if path.as_path() == Path::new(STANDARD_INPUT) && found.contains(path) {
-            return Err(Failure::Argument {
-                option: "RECORDING",
-                reason: "standard input is named twice".into(),
-                remedy: "name `-` once".into(),
-            });
+            return Err(Failure::argument("RECORDING", "standard input is named twice", "name `-` once"));
         }
         if !path.is_dir() || is_recording_folder(path) {
             found.push(path.clone());
             continue;
         }
-        let refuse = |reason: String| Failure::Argument {
-            option: "RECORDING",
-            reason: format!("{} {reason}", path.display()),
-            remedy: "name recordings, or a folder with recordings".into(),
+        let refuse = |reason: String| {
+            Failure::argument(
+                "RECORDING",
+                format!("{} {reason}", path.display()),
+                "name recordings, or a folder with recordings",
+            )
         };
         let entries = std::fs::read_dir(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
         let mut inside = Vec::new();

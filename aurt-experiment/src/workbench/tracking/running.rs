@@ -39,7 +39,6 @@ pub(super) struct Running<'a> {
     origin_s: f64,
     /// Up to here rows have been taken in.
     done_s: f64,
-    /// Where the row of the table begins.
     row_from_s: f64,
     rate_hz: Option<f64>,
     rates: Vec<String>,
@@ -231,7 +230,6 @@ impl<'a> Running<'a> {
     }
 }
 
-/// The series of a recording.
 fn series(recording: &mut Recording) -> impl Iterator<Item = &mut Vec<f64>> {
     let Recording { time_s, position_rad, velocity_rad_s, measurement, .. } = recording;
     let families = [velocity_rad_s, measurement].into_iter().flatten().flatten();

@@ -12,7 +12,7 @@ use aurt_plugins::Registry;
 use aurt_recording::{AngleUnit, RecordedAs};
 use aurt_traits::CommandSignal;
 
-const EXPERIMENT: &str = r#"schema = 1
+pub(super) const EXPERIMENT: &str = r#"schema = 1
 [robot]
 mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]

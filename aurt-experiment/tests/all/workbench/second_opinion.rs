@@ -11,22 +11,7 @@ use aurt_plugins::Registry;
 use aurt_rbd::{Joint, Placement, SerialChain};
 use aurt_traits::CommandSignal;
 
-const EXPERIMENT: &str = r#"schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, 0.0, -9.81]
-[drive]
-model = "position_servo"
-estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm", "rotor_inertia_kg_m2"]
-gain_nm_per_rad = 10.0
-back_emf_nm_s_per_rad = 0.5
-delay_s = 0.02
-coulomb_nm = 0.1
-position_deviation_rad = 1e-3
-[recordings]
-calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-validation = [{ file = "b.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-"#;
+use super::drives::EXPERIMENT;
 
 /// What the servo does: a delay of 28 ms and dry friction of 0.06 Nm, read by an encoder of 4096 ticks a turn.
 fn record(folder: &Path) {
@@ -84,7 +69,8 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
     let folder = folder.path();
     record(folder);
     let path = folder.join("experiment.toml");
-    let experiment = Experiment::parse(EXPERIMENT, &path, &mut Registry::linked().unwrap()).unwrap();
+    let text = EXPERIMENT.replace("\"coulomb_nm\"]", "\"coulomb_nm\", \"rotor_inertia_kg_m2\"]");
+    let experiment = Experiment::parse(&text, &path, &mut Registry::linked().unwrap()).unwrap();
     let judge = |name: &str, text: &str| -> Result<DriveOutcome, String> {
         fs::write(folder.join(name), text).unwrap();
         second_opinion(&experiment, &folder.join(name), None, &Progress::silent()).map_err(|e| e.to_string())

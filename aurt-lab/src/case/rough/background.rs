@@ -24,7 +24,6 @@ use aurt_simulation::{
 const LEVEL: (f64, f64) = (0.05, 0.25);
 /// How near to its level a joint's neglected torque has to come, as a factor.
 const MET: f64 = 1.5;
-/// Corrections of the sizes.
 const CORRECTIONS: usize = 2;
 /// Share of laboratories whose arms have a lack of each kind: cubic viscous friction, Stribeck, load dependence,
 /// presliding, warming. Presliding is what careful measurements of gears always find, the others often.

@@ -15,7 +15,6 @@ pub(super) struct ServoEffect {
     pub family: Family,
     /// The least and the greatest size; the second acts most.
     pub sizes: [f64; 2],
-    /// Whether a diagnosis has a name for it.
     pub in_vocabulary: bool,
     parameter: Option<Parameter>,
     /// Puts it in at a size; joints of one kind differ by a factor.
@@ -129,7 +128,6 @@ impl ServoEffect {
         self.sizes[0] * libm::pow(self.sizes[1] / self.sizes[0], share)
     }
 
-    /// An arm with it.
     pub fn on(&self, arm: &ServoArm, size: f64, factors: &[f64]) -> ServoArm {
         let mut arm = arm.clone();
         (self.put)(&mut arm, size, factors);

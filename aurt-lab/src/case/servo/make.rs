@@ -80,9 +80,6 @@ struct Arms {
 }
 
 /// Makes a case from its seed.
-///
-/// # Errors
-/// An effect that is not of this world, or an arm that cannot be simulated.
 pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
     let refuse = |reason: String| SimulationError::unreadable(name, reason);
     let of = |id: &String| {

@@ -14,7 +14,6 @@ const FIRMWARE: usize = 4;
 const TICK_RAD: f64 = std::f64::consts::TAU / 4096.0;
 /// How much the host's clock jitters, and how wrong its stamps are, in s.
 const JITTER_S: (f64, f64) = (0.001, 1e-4);
-/// Noise of the encoder in ticks.
 const NOISE_TICKS: f64 = 0.3;
 /// How far bristles bend before a joint slides, in rad.
 const BEND_RAD: f64 = 5e-4;

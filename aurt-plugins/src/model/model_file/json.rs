@@ -55,7 +55,6 @@ impl<'v> At<'v> {
         self.find(key)?.ok_or_else(|| self.error(format!("lacks the key `{key}`"), None))
     }
 
-    /// The value of a key that may be there.
     pub(super) fn find(&self, key: &str) -> Result<Option<At<'v>>, Error> {
         Ok(self.object()?.get(key).map(|value| self.step(value, Step::Key(key.to_owned()))))
     }

@@ -12,7 +12,6 @@ struct Class<'x> {
     around: Option<usize>,
     joint: Attributes<'x>,
     geom: Attributes<'x>,
-    /// All kinds of actuators have one.
     actuator: Attributes<'x>,
     /// Whether it turns geoms, which overrules how the class around it does.
     is_turned: bool,
@@ -29,7 +28,6 @@ pub(super) struct Classes<'x> {
 
 /// The class of elements that name none.
 const MAIN: &str = "main";
-/// Kinds of actuators.
 const ACTUATORS: [&str; 10] = [
     "general",
     "motor",

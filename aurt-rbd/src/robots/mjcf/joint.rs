@@ -9,7 +9,6 @@ use crate::robots::pose::Pose;
 use crate::robots::tree::{Freedom, Spring};
 use crate::robots::{JointFriction, JointLimits, RobotError};
 
-/// A joint of a body.
 pub(super) struct ReadJoint {
     /// The joint's frame in the frame of the body before it moves, at coordinate zero.
     pub pose: Pose,

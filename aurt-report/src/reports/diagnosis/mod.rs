@@ -23,17 +23,12 @@ use crate::{
 
 /// What a diagnosis leaves for its page.
 pub struct Diagnosed<'a> {
-    /// The verdict.
     pub verdict: &'a Found,
-    /// What was asked.
     pub asked: Asked,
     /// What was held out, with its part of the recording.
     pub held_out: &'a [String],
-    /// The rows behind it.
     pub series: &'a [RecordingSeries],
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// The improved model, calibrated.
     pub improved: (&'a RobotModel, &'a Calibration),
     /// The lines that the improved experiment has and the original has not.
     pub added: Vec<String>,
@@ -41,7 +36,6 @@ pub struct Diagnosed<'a> {
     pub notes: &'a [String],
     /// What was done to each recording, in the order of the series.
     pub recording_notes: Vec<Vec<String>>,
-    /// What verdict.json holds.
     pub document: &'a Value,
     /// The robot as it is drawn, where it can be.
     pub arm: Option<arm::Outline>,
@@ -75,7 +69,6 @@ pub fn notes(recording: &QuestionedRecording) -> Vec<String> {
 }
 
 impl Diagnosed<'_> {
-    /// The page.
     pub fn page(&self) -> Page {
         let mut sections = vec![self.improvement()];
         if self.found() {

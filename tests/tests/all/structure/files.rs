@@ -54,7 +54,6 @@ impl Modules {
         if found.is_empty() && depth > 0 { own() } else { found }
     }
 
-    /// What each module imports from others of the crate.
     fn imports(&self) -> Imports<'_> {
         let of = |(module, (_, paths)): (&_, &(PathBuf, Paths))| {
             let named = paths.named.iter().chain(&paths.globs);
@@ -159,7 +158,6 @@ fn way_back<'a>(imports: &Imports<'a>, start: &'a [String]) -> Option<Vec<&'a [S
     None
 }
 
-/// All sources below a folder.
 pub fn sources(folder: &Path) -> Vec<PathBuf> {
     let (mut found, mut folders) = (Vec::new(), vec![folder.to_owned()]);
     while let Some(folder) = folders.pop() {

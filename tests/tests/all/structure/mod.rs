@@ -56,9 +56,7 @@ fn order() -> Vec<String> {
         .collect()
 }
 
-/// One of our crates.
 struct Crate {
-    /// Its folder below the root.
     folder: PathBuf,
     /// Those of ours that it depends on, tests and build scripts aside.
     imports: BTreeSet<String>,
