@@ -167,14 +167,20 @@ fn a_gear_is_found_beneath_the_noise_of_encoders() {
     assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
 }
 
+/// Differences of few samples a second are too small where motions are fast: a gear shows, and its frequency is up to a quarter too high.
 #[test]
-fn a_soft_gear_is_found_at_the_least_rate() {
-    let slow = Motors { rate_hz: super::LEAST_RATE_HZ, f_dyn_hz: 2.5, sines: 4, ..MOTORS };
-    let found = searched(Motors { hz: Some(4.0), ..slow }).unwrap();
+fn a_gear_is_found_at_a_low_rate() {
+    let slow = Motors { rate_hz: 95.0, f_dyn_hz: 5.0, ..MOTORS };
+    let found = searched(Motors { hz: Some(9.0), sines: 6, ..slow }).unwrap();
     assert!(found.confirmed(), "{:?}", found.fails);
-    assert!((found.shape.hz / 4.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
-    for noise_rad in [1e-6, 1e-4] {
-        let found = searched(Motors { encoder_noise_rad: [noise_rad; 2], ..slow });
-        assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
+    assert!((0.95..1.25).contains(&(found.shape.hz / 9.0)), "{:?}", found.shape);
+    for rate_hz in [super::LEAST_RATE_HZ, 95.0] {
+        for noise_rad in [1e-6, 1e-5, 1e-4] {
+            let found = searched(Motors { rate_hz, encoder_noise_rad: [noise_rad; 2], ..slow });
+            assert!(
+                found.as_ref().is_none_or(|f| !f.confirmed()),
+                "{rate_hz} Hz, {noise_rad} rad: {found:?}"
+            );
+        }
     }
 }
