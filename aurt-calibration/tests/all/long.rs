@@ -20,7 +20,10 @@ fn long_recordings_give_the_calibration_of_whole_ones() {
     let preprocessing = PreprocessOptions::new(10.0);
     let whole: Vec<NamedRecording> = recordings
         .iter()
-        .map(|r| NamedRecording { name: r.file.clone(), data: preprocess(r, &preprocessing).unwrap() })
+        .map(|r| NamedRecording {
+            name: r.file.display().to_string(),
+            data: preprocess(r, &preprocessing).unwrap(),
+        })
         .collect();
     let long: Vec<_> = recordings
         .iter()
