@@ -84,6 +84,11 @@ pub(super) fn without_gears(
     })
 }
 
+/// Joints whose gears are confirmed.
+pub(super) fn confirmed_joints(gears: &Gears) -> Vec<usize> {
+    gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect()
+}
+
 /// The gears that show in what the model and all claims leave.
 ///
 /// # Errors

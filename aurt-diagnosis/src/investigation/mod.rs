@@ -52,7 +52,7 @@ use crate::request::{Question, QuestionedRecording, length};
 use crate::search::selection::Selection;
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
-use gears::{gears_beside, without_gears};
+use gears::{confirmed_joints, gears_beside, without_gears};
 use selecting::{Parts, Selected};
 use structure::structure_alone;
 
@@ -184,7 +184,7 @@ pub fn investigate(
     earn(rigid, &mut examination.investigation)?;
     progress("simulating links on their gears");
     let gears = gears_beside(rigid, &examination.investigation)?;
-    let confirmed: Vec<usize> = gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect();
+    let confirmed = confirmed_joints(&gears);
     let before = &mut examination.investigation;
     (before.shaking, before.gears_visible) = (gears.found, gears.visible);
     if !confirmed.is_empty() {
@@ -262,7 +262,7 @@ fn elastic_instead(
     let examined = &Question { recordings: &rigid.recordings, ..*question };
     earn(examined, &mut rigid.investigation)?;
     let gears = gears_beside(examined, &rigid.investigation)?;
-    let confirmed: Vec<usize> = gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect();
+    let confirmed = confirmed_joints(&gears);
     if confirmed.is_empty() {
         return Ok(None);
     }

@@ -105,8 +105,7 @@ struct Piece<'a> {
 /// A stretch between gaps that is shorter than this has too few blocks of time, and filters may not fit into it, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// Of recordings with fewer samples per second the rows do not reach to where those for play end: up to a fifth of the rate differences
-/// are derivatives.
+/// Least samples per second. With fewer the rows end below [`PLAY_TOP_HZ`]: differences are derivatives up to a fifth of the rate.
 pub(crate) const LEAST_RATE_HZ: f64 = PLAY_TOP_HZ / rows::OF_RATE;
 
 /// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.

@@ -60,9 +60,9 @@ pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<V
     Ok(scores)
 }
 
-/// What is claimed of a robot without concealed effects.
+/// Claims made of a robot without concealed effects.
 struct KnownClaims {
-    /// Of the reference itself.
+    /// Those of the reference itself.
     own: Claim,
     /// The same, and the structure that other references of this robot show: which of them passes a test is a matter of chance, and
     /// whether the robot has it, is not.
@@ -71,8 +71,8 @@ struct KnownClaims {
 
 /// The claims of a reference, and those of structure of the other references of the same robot.
 fn elsewhere(place: &Path, name: &str, own: &Claim, whose: &Verdicts) -> Result<Claim, Failure> {
-    let robot =
-        |name: &str| name.split("_all_").next().and_then(|n| n.split("_changed_").next()).map(str::to_owned);
+    // ROBOT_QUESTION_NUMBER.
+    let robot = |name: &str| name.rsplitn(3, '_').nth(2).map(str::to_owned);
     let mut known = own.clone();
     let entries = fs::read_dir(place).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
@@ -201,5 +201,31 @@ fn method(path: &Path, name: &str) -> Result<Option<Claim>, Failure> {
     match all.get_mut(name).map(Value::take) {
         Some(claim) => serde_json::from_value(claim).map(Some).map_err(|e| refuse(e.to_string())),
         None => Ok(None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structure_is_known_from_all_references_of_a_robot() {
+        let place = tempfile::tempdir().unwrap();
+        let write = |name: &str, effect: &str, present_in: &[&str]| {
+            let folder = place.path().join(reference_folder(name));
+            fs::create_dir_all(&folder).unwrap();
+            let effects = serde_json::json!([{ "effect": effect, "joints": [1], "present_in": present_in }]);
+            let verdict = serde_json::json!({ "verdict": "named", "effects": effects });
+            fs::write(folder.join(VERDICT), verdict.to_string()).unwrap();
+        };
+        write("ur10e_all_1", "rotor_inertia", &["calibration"]);
+        write("ur10e_all_2", "viscous_nonlinear", &["calibration"]);
+        write("ur10e_changed_1", "coulomb", &["target"]);
+        write("kr300_all_1", "spring", &["calibration"]);
+        let own =
+            claim(&place.path().join(reference_folder("ur10e_all_1")), &Verdicts::Own).unwrap().unwrap();
+        let known = elsewhere(place.path(), "ur10e_all_1", &own, &Verdicts::Own).unwrap();
+        let effects: Vec<&str> = known.effects.iter().map(|e| e.effect.as_str()).collect();
+        assert_eq!(effects, ["rotor_inertia", "viscous_nonlinear"]);
     }
 }

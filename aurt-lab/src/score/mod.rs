@@ -11,8 +11,8 @@
 //! | single whose candidate was removed | `unexplained` or `partly_explained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
 //!
 //! Every part is counted for itself as well. What the experiment does not declare besides the effects (`background`), and
-//! what is claimed of the same recordings without the effects (the reference), is neither right nor wrong. Effects that no
-//! recording tells apart (`coulomb_asymmetry` and `current_offset`) are counted strictly, and as one class.
+//! what is claimed of the same recordings without the effects (the reference), or of structure by any reference of the robot, is
+//! neither right nor wrong. Effects that no recording tells apart (`coulomb_asymmetry` and `current_offset`) are counted strictly, and as one class.
 
 mod board;
 mod case_score;
