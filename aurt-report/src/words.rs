@@ -122,12 +122,15 @@ pub const HOW_LARGE: &str =
 
 /// What has changed, then what is missing in all recordings.
 fn changed(verdict: &Verdict, asked: Asked) -> String {
-    let of = |wanted: Place| brief(verdict, |f| place(f, asked) == wanted);
+    let of = |wanted: Place| {
+        brief(verdict, verdict.effects.iter().filter(|f| place(f, asked) == wanted).collect())
+    };
     let [changes, missing, before, fault] =
         [Place::Changed, Place::Missing, Place::Before, Place::Fault].map(of);
     let nameless = "something that no claim explains";
+    let unconfirmed = unconfirmed(verdict, asked);
     let difference = match (verdict.verdict, changes, before) {
-        (Answer::NoMismatch, ..) => "nothing has changed".to_owned(),
+        (Answer::NoMismatch, ..) => unconfirmed.clone().unwrap_or_else(|| "nothing has changed".to_owned()),
         (Answer::HeldOutDiffers, ..) => "no change was found in the target".to_owned(),
         (Answer::Named, Some(changes), _) => format!("changed since calibration: {changes}"),
         (Answer::Named, None, Some(before)) => {
@@ -151,7 +154,9 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
         }
     };
     let lack = match (verdict.structure, missing) {
-        (None | Some(Answer::NoMismatch), None) if verdict.verdict == Answer::NoMismatch => {
+        (None | Some(Answer::NoMismatch), None)
+            if verdict.verdict == Answer::NoMismatch && unconfirmed.is_none() =>
+        {
             return clean(
                 verdict,
                 "nothing has changed and nothing is missing",
@@ -174,9 +179,23 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     format!("{difference}; in all recordings {lack}")
 }
 
+/// A change that the target shows beyond chance and that rows which nothing was fitted to do not confirm.
+fn unconfirmed(verdict: &Verdict, asked: Asked) -> Option<String> {
+    let level = verdict.settings.level;
+    let is_beyond_chance = |f: &&Finding| {
+        let [shown, confirmed] = [f.evidence.p_null, f.evidence.p_confirm].map(|p| p.map(|p| p <= level));
+        place(f, asked) == Place::Changed && shown == Some(true) && confirmed == Some(false)
+    };
+    let indicated = verdict.indications.iter().map(|i| &i.finding).filter(is_beyond_chance).collect();
+    let named = brief(verdict, indicated)?;
+    Some(format!(
+        "no change is confirmed: the target indicates {named}, and held-out data do not bear it out"
+    ))
+}
+
 /// A model's lack, where that is the only question.
 fn missing(verdict: &Verdict, asked: Asked) -> String {
-    let found = brief(verdict, |f| place(f, asked) != Place::Fault);
+    let found = brief(verdict, verdict.effects.iter().filter(|f| place(f, asked) != Place::Fault).collect());
     match (verdict.verdict, found) {
         (Answer::NoMismatch, _) => clean(verdict, "nothing is missing", "no missing effect was found"),
         (Answer::HeldOutDiffers, _) => "no missing effect was found in the fitted recordings".to_owned(),
@@ -204,8 +223,7 @@ fn clean(verdict: &Verdict, nothing: &str, unclaimed: &str) -> String {
 }
 
 /// The finding with the most evidence in a few words, and how many more there are.
-fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> {
-    let mut found: Vec<&Finding> = verdict.effects.iter().filter(|f| which(f)).collect();
+fn brief(verdict: &Verdict, mut found: Vec<&Finding>) -> Option<String> {
     found.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
     let first = found.first()?;
     let title = |id: &str| {

@@ -6,7 +6,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::agreement::agreement;
 use crate::investigation::shifted::shift;
-use crate::recordings::rows::{Instrument, mean_rate_hz};
+use crate::recordings::rows::Instrument;
 use crate::request::Question;
 use crate::vocabulary::Addition;
 
@@ -86,8 +86,6 @@ pub(super) struct Scan {
     effective: Vec<f64>,
     /// Least score of a delay.
     least: f64,
-    /// Least log-MSE that an effect has to gain, on one joint or over all.
-    reduction: f64,
 }
 
 impl Scan {
@@ -102,7 +100,6 @@ impl Scan {
             &switches,
             &fit.coefficients,
         );
-        let mean_share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
         let used = used_columns(investigation, &switches);
@@ -124,7 +121,6 @@ impl Scan {
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
-            reduction: question.selection.least_log_error(mean_share * mean_rate_hz(&investigation.rows)),
         };
         let (first, last) = window(|k| scan.value(&at(f64::from(k) * step_s)));
         scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();
@@ -211,7 +207,8 @@ impl Scan {
         std_s.is_finite().then_some([delay_s, std_s])
     }
 
-    /// The delay, if it is one.
+    /// The delay, if it is one. Most of what a delay does stands at the reversals, which are left out: how much it lowers the error of
+    /// the rows does not say whether it matters, and joints that agree on it are evidence of one clock.
     pub(super) fn delay(&self) -> Option<Delay> {
         let [delay_s, std_s] = self.size()?;
         // A delay of less than half a step is seen beside the steps alone.
@@ -220,13 +217,11 @@ impl Scan {
         let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
         let none = &self.errors[self.before];
         let score = self.value(none) - self.value(least);
-        let gains = (0..self.effective.len()).map(|j| self.log_error(none, j) - self.log_error(least, j));
-        let matters = gains.sum::<f64>() > self.reduction;
         let joints = agreement(&self.of_joints())?;
         let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
         let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
         let clear = delay_s.abs() > CLEAR * std_s;
-        (score > self.least && clear && agreed && matters).then_some(delay)
+        (score > self.least && clear && agreed).then_some(delay)
     }
 
     /// The delay that each joint shows by itself, s, and its variance: the lowest point of a parabola through its mean squared errors
@@ -304,7 +299,6 @@ mod tests {
             floor: vec![1.0; joints],
             effective: vec![200.0; joints],
             least: 8.0,
-            reduction: 0.05,
         }
     }
 

@@ -101,7 +101,9 @@ fn calm(motion: MotionView<'_>, rate_hz: f64) -> Vec<Vec<bool>> {
             if rests(k) {
                 calm[joint][k] = false;
             }
-            let jolts = k > 0 && (rests(k) != rests(k - 1) || velocity[k] * velocity[k - 1] < 0.0);
+            // A joint that rests holds still: the noise of its velocity changes its sign, and no friction with it.
+            let jolts =
+                k > 0 && (rests(k) != rests(k - 1) || !rests(k) && velocity[k] * velocity[k - 1] < 0.0);
             if jolts {
                 for (other, series) in calm.iter_mut().enumerate() {
                     let reach = reach(if other == joint { OWN_S } else { OTHERS_S });
@@ -111,4 +113,30 @@ fn calm(motion: MotionView<'_>, rate_hz: f64) -> Vec<Vec<bool>> {
         }
     }
     calm
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use aurt_traits::Motion;
+
+    #[test]
+    fn noise_of_a_joint_at_rest_shakes_no_other_joint() {
+        let samples = 500;
+        let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / 500.0).collect();
+        // Joint 0 moves on; joint 1 rests, but for the noise of its encoder, until it starts at sample 400 and turns at 450.
+        let of_second = |k: usize| match k {
+            0..400 => [2e-3, -2e-3][k % 2],
+            400..450 => 0.1,
+            _ => -0.1,
+        };
+        let velocity = (0..samples).map(|_| 0.5).chain((0..samples).map(of_second)).collect();
+        let still = vec![0.0; 2 * samples];
+        let motion = Motion::new(2, time_s, still.clone(), velocity, still).unwrap();
+        let calm = calm(motion.view(), 500.0);
+        assert!(calm[0][..380].iter().all(|c| *c));
+        assert!([400, 450].into_iter().all(|k| calm[0][k - 20..k + 20].iter().all(|c| !c)));
+        assert!(calm[0][420..430].iter().chain(&calm[0][470..]).all(|c| *c));
+        assert!(calm[1][..400].iter().all(|c| !c));
+    }
 }

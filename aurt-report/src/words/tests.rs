@@ -98,6 +98,23 @@ fn changes_stand_apart_from_what_is_missing_and_from_faults() {
 }
 
 #[test]
+fn a_change_beyond_chance_that_held_out_data_do_not_confirm_is_no_all_clear() {
+    let mut found = verdict(Answer::NoMismatch, Vec::new(), &[0.1], &[0.1]);
+    let mut of = finding("coulomb", Family::F, &[3], &["target"]);
+    (of.evidence.p_null, of.evidence.p_confirm) = (Some(1e-9), Some(0.4));
+    let fails = vec!["chance alone makes such a finding with a probability of 0.4".to_owned()];
+    found.indications.push(Indication { finding: of, fails });
+    let said = headline(&found, Asked::Change);
+    assert!(
+        said.starts_with("no change is confirmed: the target indicates") && said.contains("joint 3"),
+        "{said}"
+    );
+    // What chance explains says nothing of the target.
+    found.indications[0].finding.evidence.p_null = Some(0.2);
+    assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
+}
+
+#[test]
 fn what_held_out_data_contradict_is_contradicted_beside_the_claim() {
     let effects = vec![
         finding("viscous", Family::V, &[0], &["target"]),
