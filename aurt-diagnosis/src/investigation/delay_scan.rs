@@ -216,12 +216,18 @@ impl Scan {
         let fine = self.fine.as_ref().map(|(_, around)| &around[1]);
         let least = fine.filter(|errors| self.value(errors) < self.value(steps)).unwrap_or(steps);
         let none = &self.errors[self.before];
-        let score = self.value(none) - self.value(least);
+        let gains: Vec<f64> = (0..self.effective.len())
+            .map(|j| self.effective[j] * (self.log_error(none, j) - self.log_error(least, j)))
+            .collect();
+        let score: f64 = gains.iter().sum();
+        // What one joint alone speaks for is its own lag.
+        let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_common = gains.len() == 1 || score - strongest > self.least;
         let joints = agreement(&self.of_joints())?;
         let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
         let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
         let clear = delay_s.abs() > CLEAR * std_s;
-        (score > self.least && clear && agreed).then_some(delay)
+        (score > self.least && is_common && clear && agreed).then_some(delay)
     }
 
     /// The delay that each joint shows by itself, s, and its variance: the lowest point of a parabola through its mean squared errors
@@ -311,6 +317,14 @@ mod tests {
         let mut early = scan((-5..2).map(|k| vec![error(k, -3.3); 2]).collect());
         early.before = 5;
         assert!((early.delay().unwrap().delay_s + 0.0066).abs() < 0.0006);
+    }
+
+    #[test]
+    fn what_one_joint_alone_speaks_for_is_no_delay() {
+        let error = |k: i32, curvature: f64| 1.0 + curvature * (f64::from(k) - 3.3).powi(2);
+        let of = |others: f64| scan((-1..8).map(|k| vec![error(k, 0.2), error(k, others)]).collect()).delay();
+        assert!(of(0.02).is_some());
+        assert_eq!(of(0.001), None);
     }
 
     /// Logarithms of errors that grow twentyfold within a step are no parabolas, and the lowest of them is beside the delay.
