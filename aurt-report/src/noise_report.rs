@@ -86,16 +86,17 @@ impl NoiseReport {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state > NoiseState::WithinNoise).collect()
     }
 
-    /// The sign beside an answer: good only where the answer is clean and every judged joint is within noise.
+    /// The sign beside an answer: good only where the answer is clean, every judged joint is within noise, and no change is indicated.
     pub fn tone(&self, verdict: &Verdict, asked: Asked) -> Tone {
         let answers = [Some(verdict.verdict), verdict.structure.filter(|_| asked == Asked::Change)];
         let has = |wanted: &[Answer]| answers.iter().flatten().any(|answer| wanted.contains(answer));
+        let indicates = asked == Asked::Change && !verdict.indicated_changes().is_empty();
         let is_judged = self.joints.iter().any(|joint| joint.state != NoiseState::NotJudged);
         if has(&[Answer::Unexplained, Answer::HeldOutDiffers]) {
             Tone::Attention
         } else if has(&[Answer::Named, Answer::PartlyExplained]) {
             Tone::Found
-        } else if is_judged && self.beyond_noise().is_empty() {
+        } else if is_judged && !indicates && self.beyond_noise().is_empty() {
             Tone::Good
         } else {
             Tone::Attention

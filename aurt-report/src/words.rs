@@ -66,11 +66,12 @@ pub fn groups(verdict: &Verdict, asked: Asked) -> Vec<Group<'_>> {
         .collect()
 }
 
-/// What an empty group says: nothing, as far as names go.
-pub const fn nothing(answer: Answer) -> &'static str {
-    match answer {
+/// What an empty group says: nothing, as far as names and tests go.
+pub fn nothing(verdict: &Verdict) -> &'static str {
+    match verdict.verdict {
         Answer::Unexplained => "nothing that was identified",
-        _ => "nothing",
+        _ if verdict.indicated_changes().is_empty() => "nothing",
+        _ => "nothing that is confirmed",
     }
 }
 
@@ -128,7 +129,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     let [changes, missing, before, fault] =
         [Place::Changed, Place::Missing, Place::Before, Place::Fault].map(of);
     let nameless = "something that no claim explains";
-    let unconfirmed = unconfirmed(verdict, asked);
+    let unconfirmed = unconfirmed_change(verdict);
     let difference = match (verdict.verdict, changes, before) {
         (Answer::NoMismatch, ..) => unconfirmed.clone().unwrap_or_else(|| "nothing has changed".to_owned()),
         (Answer::HeldOutDiffers, ..) => "no change was found in the target".to_owned(),
@@ -154,14 +155,18 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
         }
     };
     let lack = match (verdict.structure, missing) {
-        (None | Some(Answer::NoMismatch), None)
-            if verdict.verdict == Answer::NoMismatch && unconfirmed.is_none() =>
-        {
-            return clean(
-                verdict,
-                "nothing has changed and nothing is missing",
-                "no change and no missing effect was found",
-            );
+        (None | Some(Answer::NoMismatch), None) if verdict.verdict == Answer::NoMismatch => {
+            return match unconfirmed {
+                Some(difference) => {
+                    let lack = clean(verdict, "nothing is missing", "no missing effect was found");
+                    format!("{difference}; {lack}")
+                }
+                None => clean(
+                    verdict,
+                    "nothing has changed and nothing is missing",
+                    "no change and no missing effect was found",
+                ),
+            };
         }
         (Some(Answer::Named), None) if fault.is_some() && verdict.verdict == Answer::NoMismatch => {
             "a fault of the recordings explains the residual".to_owned()
@@ -179,18 +184,10 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     format!("{difference}; in all recordings {lack}")
 }
 
-/// A change that the target shows beyond chance and that rows which nothing was fitted to do not confirm.
-fn unconfirmed(verdict: &Verdict, asked: Asked) -> Option<String> {
-    let level = verdict.settings.level;
-    let is_beyond_chance = |f: &&Finding| {
-        let [shown, confirmed] = [f.evidence.p_null, f.evidence.p_confirm].map(|p| p.map(|p| p <= level));
-        place(f, asked) == Place::Changed && shown == Some(true) && confirmed == Some(false)
-    };
-    let indicated = verdict.indications.iter().map(|i| &i.finding).filter(is_beyond_chance).collect();
-    let named = brief(verdict, indicated)?;
-    Some(format!(
-        "no change is confirmed: the target indicates {named}, and held-out data do not bear it out"
-    ))
+/// A change that the target shows beyond chance and that fails a test, in words.
+fn unconfirmed_change(verdict: &Verdict) -> Option<String> {
+    let named = brief(verdict, verdict.indicated_changes())?;
+    Some(format!("no change is confirmed: the target indicates {named}, which fails a test"))
 }
 
 /// A model's lack, where that is the only question.

@@ -6,7 +6,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::agreement::agreement;
 use crate::investigation::shifted::shift;
-use crate::recordings::rows::Instrument;
+use crate::recordings::rows::{Instrument, mean_rate_hz};
 use crate::request::Question;
 use crate::vocabulary::Addition;
 
@@ -48,6 +48,9 @@ const CONVERGED: f64 = 1e-9;
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
 
+/// Share of a sampling period below which a delay is one of how samples are taken, not of the machine.
+const LEAST_OF_SAMPLE: f64 = 0.1;
+
 /// True for a delay among the hypotheses.
 pub(super) fn is_delay(investigation: &Investigation, group: &Group) -> bool {
     matches!(
@@ -84,8 +87,11 @@ pub(super) struct Scan {
     floor: Vec<f64>,
     /// ½ n_eff of each joint.
     effective: Vec<f64>,
-    /// Least score of a delay.
+    /// Least score of a delay, and its least size, s.
     least: f64,
+    least_s: f64,
+    /// Least log-MSE that an effect has to gain on one joint.
+    reduction: f64,
 }
 
 impl Scan {
@@ -100,6 +106,9 @@ impl Scan {
             &switches,
             &fit.coefficients,
         );
+        let mean_share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+        let segments = question.recordings.iter().flat_map(|r| &r.data.data.segments);
+        let slowest_hz = segments.map(|s| s.rate_hz).fold(f64::INFINITY, f64::min);
         let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
         let (ordered, free) = free_first(&switches);
         let used = used_columns(investigation, &switches);
@@ -121,6 +130,8 @@ impl Scan {
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
+            least_s: LEAST_OF_SAMPLE / slowest_hz,
+            reduction: question.selection.least_log_error(mean_share * mean_rate_hz(&investigation.rows)),
         };
         let (first, last) = window(|k| scan.value(&at(f64::from(k) * step_s)));
         scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();
@@ -207,8 +218,8 @@ impl Scan {
         std_s.is_finite().then_some([delay_s, std_s])
     }
 
-    /// The delay, if it is one. Most of what a delay does stands at the reversals, which are left out: how much it lowers the error of
-    /// the rows does not say whether it matters, and joints that agree on it are evidence of one clock.
+    /// The delay, if it is one. A delay acts mostly at reversals, whose samples are left out, so the gain on the other rows is small
+    /// even for a real one. That joints agree on it is evidence of one clock; a single joint has to gain as much as other effects must.
     pub(super) fn delay(&self) -> Option<Delay> {
         let [delay_s, std_s] = self.size()?;
         // A delay of less than half a step is seen beside the steps alone.
@@ -220,13 +231,16 @@ impl Scan {
             .map(|j| self.effective[j] * (self.log_error(none, j) - self.log_error(least, j)))
             .collect();
         let score: f64 = gains.iter().sum();
-        // What one joint alone speaks for is its own lag.
         let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let is_common = gains.len() == 1 || score - strongest > self.least;
+        let is_common = match &gains[..] {
+            [_] => self.log_error(none, 0) - self.log_error(least, 0) > self.reduction,
+            // What one joint alone speaks for is its own lag.
+            _ => score - strongest > self.least,
+        };
         let joints = agreement(&self.of_joints())?;
         let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
         let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
-        let clear = delay_s.abs() > CLEAR * std_s;
+        let clear = delay_s.abs() > self.least_s.max(CLEAR * std_s);
         (score > self.least && is_common && clear && agreed).then_some(delay)
     }
 
@@ -305,6 +319,8 @@ mod tests {
             floor: vec![1.0; joints],
             effective: vec![200.0; joints],
             least: 8.0,
+            least_s: 0.0002,
+            reduction: 0.05,
         }
     }
 
@@ -325,6 +341,10 @@ mod tests {
         let of = |others: f64| scan((-1..8).map(|k| vec![error(k, 0.2), error(k, others)]).collect()).delay();
         assert!(of(0.02).is_some());
         assert_eq!(of(0.001), None);
+        // A single joint has no other that could agree.
+        let single = |curvature: f64| scan((-1..8).map(|k| vec![error(k, curvature)]).collect()).delay();
+        assert!(single(0.2).is_some());
+        assert_eq!(single(0.004), None);
     }
 
     /// Logarithms of errors that grow twentyfold within a step are no parabolas, and the lowest of them is beside the delay.

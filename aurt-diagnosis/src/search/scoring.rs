@@ -216,9 +216,9 @@ impl Scoring<'_> {
         expected < self.options.tie_nats || !is_better(&blocks)
     }
 
-    /// Among the best and those as good, of which the data leave open whether they are, the one of fewest parameters; a law
-    /// gives way to a simpler one that it does not beat by what an effect has to bring: the least score, and the least share of a joint's error. Friction differs from day to day, so a change of
-    /// anything else on one joint has to be clearly better than a change of its friction.
+    /// Among the best and those as good, of which the data leave open whether they are, the one of fewest parameters. A law gives way
+    /// to a simpler one that suffices, unless it exceeds it by the least score and lowers the error of some joint by the least share.
+    /// Friction differs from day to day, so a change of anything else on one joint has to be clearly better than a change of its friction.
     pub(crate) fn frugal(&self, fit: &Weighed, ranked: &[(usize, f64)]) -> Option<usize> {
         let (first, best) = *ranked.first()?;
         let near = self.near(best);
@@ -229,7 +229,10 @@ impl Scoring<'_> {
         cheaper.sort_by_key(|g| price(*g));
         let mut choice = cheaper.into_iter().find(|g| self.leaves_open(fit, first, *g)).unwrap_or(first);
         let simpler = ranked.iter().find(|(g, score)| {
-            let is_as_good = || *score >= best - self.options.score || !self.adds(choice, *g, fit);
+            let is_as_good = || {
+                let adds_little = || self.enough(*g, fit) && !self.adds_enough(choice, *g, fit);
+                *score >= best - self.options.score || adds_little()
+            };
             self.groups[choice].generalises(&self.groups[*g]) && is_as_good()
         });
         if let Some((g, _)) = simpler {
@@ -251,16 +254,16 @@ impl Scoring<'_> {
 
     /// Whether a group lowers the error of some joint by as much as its kind must.
     pub(crate) fn enough(&self, group: usize, fit: &Weighed) -> bool {
-        self.lowers(group, &fit.errors.all, fit)
+        self.lowers_enough(group, &fit.errors.all, fit)
     }
 
-    /// Whether a group lowers the error that a simpler one leaves by as much.
-    fn adds(&self, group: usize, simpler: usize, fit: &Weighed) -> bool {
-        self.lowers(group, &self.with(fit, &self.groups[simpler].switches), fit)
+    /// Whether a group lowers what a simpler one leaves by as much as its kind must.
+    fn adds_enough(&self, group: usize, simpler: usize, fit: &Weighed) -> bool {
+        self.lowers_enough(group, &self.with(fit, &self.groups[simpler].switches), fit)
     }
 
     /// Whether a group leaves some joint an error that is lower than another by as much as its kind must bring.
-    fn lowers(&self, group: usize, before: &[f64], fit: &Weighed) -> bool {
+    fn lowers_enough(&self, group: usize, before: &[f64], fit: &Weighed) -> bool {
         let after = self.with(fit, &self.groups[group].switches);
         (0..after.len()).any(|j| {
             let least = self.least(group, fit.errors.misfit[j], fit.shares[j]);

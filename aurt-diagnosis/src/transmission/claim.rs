@@ -25,9 +25,9 @@ const SAME_HZ: f64 = 1.25;
 const SAME_GAP: f64 = 2.0;
 /// Least share of the power of the joint's own rows that a gear explains.
 const LEAST_SHARE: f64 = 0.02;
-/// Gains of the starts that suit the halves best, on the joint's own rows, below which shapes are not refined: where nothing is there,
-/// the best of some fifty gains about 4 nats on each.
-const WORTH_REFINING: f64 = LEAST_GAIN;
+/// Sum of what the best start of each half gains on that half, on the joint's own rows, below which shapes are not refined, nats. Of some
+/// fifty starts the best gains about 4 by chance on each half; both together reach this on fewer than one joint of a hundred.
+const WORTH_REFINING: f64 = 12.0;
 /// First steps of the pattern search in the logarithms of frequency and damping, the rotor's share and the logarithm of the play, and how often they are halved.
 const FIRST_STEPS: [f64; 4] = [0.07, 0.5, 0.2, 0.35];
 const HALVINGS: usize = 4;
@@ -172,9 +172,9 @@ impl<'a> JointRows<'a> {
         let (Some(first), Some(second)) = (best(&halves[0]), best(&halves[1])) else {
             return (None, visible);
         };
-        // A resonance of little damping lies between two starts, neither of which predicts the other half: it does once refined.
-        let fitted = |start: usize, half: &[Block]| fitted_gain(sums(&scanned[start], half));
-        if fitted(first, &halves[0]) + fitted(second, &halves[1]) < WORTH_REFINING {
+        // A resonance of little damping lies between two starts. Neither predicts the other half before it is refined.
+        let own_gain = |start: usize, half: &[Block]| fitted_gain(sums(&scanned[start], half));
+        if own_gain(first, &halves[0]) + own_gain(second, &halves[1]) < WORTH_REFINING {
             return (None, visible);
         }
         (Some(self.tested(&halves, [starts[first], starts[second]], &blocks, level)), visible)

@@ -97,22 +97,39 @@ fn calm(motion: MotionView<'_>, rate_hz: f64) -> Vec<Vec<bool>> {
     for joint in 0..joints {
         let velocity = motion.velocity_rad_s(joint);
         let rests = |k: usize| velocity[k].abs() < REST_RAD_S;
-        for k in 0..samples {
-            if rests(k) {
-                calm[joint][k] = false;
-            }
-            // A joint that rests holds still: the noise of its velocity changes its sign, and no friction with it.
-            let jolts =
-                k > 0 && (rests(k) != rests(k - 1) || !rests(k) && velocity[k] * velocity[k - 1] < 0.0);
-            if jolts {
-                for (other, series) in calm.iter_mut().enumerate() {
-                    let reach = reach(if other == joint { OWN_S } else { OTHERS_S });
-                    series[k.saturating_sub(reach)..(k + reach).min(samples)].fill(false);
-                }
+        (0..samples).filter(|k| rests(*k)).for_each(|k| calm[joint][k] = false);
+        for k in jolts(velocity) {
+            for (other, series) in calm.iter_mut().enumerate() {
+                let reach = reach(if other == joint { OWN_S } else { OTHERS_S });
+                series[k.saturating_sub(reach)..(k + reach).min(samples)].fill(false);
             }
         }
     }
     calm
+}
+
+/// Samples at which the dry friction of a joint jumps: it starts, stops or turns. While a joint rests, noise changes the sign of its
+/// velocity, and no friction with it; where it moves on in the other direction, it has turned at the last of these changes.
+fn jolts(velocity: &[f64]) -> Vec<usize> {
+    let rests = |k: usize| velocity[k].abs() < REST_RAD_S;
+    let mut found = Vec::new();
+    let mut crossing = None;
+    let mut direction = 0.0;
+    for k in 0..velocity.len() {
+        if k > 0 && velocity[k] * velocity[k - 1] < 0.0 {
+            crossing = Some(k);
+        }
+        if !rests(k) {
+            if direction * velocity[k] < 0.0 {
+                found.extend(crossing);
+            }
+            direction = velocity[k];
+        }
+        if k > 0 && rests(k) != rests(k - 1) {
+            found.push(k);
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -121,22 +138,30 @@ mod tests {
     use aurt_traits::Motion;
 
     #[test]
+    fn friction_jumps_where_a_joint_starts_stops_or_turns_and_not_where_its_velocity_is_noise() {
+        let noise = |n: usize| (0..n).map(|k| [2e-3, -2e-3][k % 2]);
+        let of = |parts: &[&[f64]]| jolts(&parts.concat());
+        let (rest, on, back) = (noise(40).collect::<Vec<_>>(), vec![0.1; 20], vec![-0.1; 20]);
+        assert_eq!(of(&[&rest]), [0; 0]);
+        assert_eq!(of(&[&rest, &on, &back]), [40, 60]);
+        assert_eq!(of(&[&on, &rest, &on]), [20, 60]);
+        // A slow turn is in the middle of its rest.
+        let slow: Vec<f64> = (0..=40).map(|k| 0.0099 - 0.0005 * f64::from(k)).collect();
+        assert_eq!(of(&[&on, &slow, &back]), [20, 40, 60]);
+        assert_eq!(of(&[&on, &rest, &back]), [20, 59, 60]);
+    }
+
+    #[test]
     fn noise_of_a_joint_at_rest_shakes_no_other_joint() {
         let samples = 500;
         let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / 500.0).collect();
-        // Joint 0 moves on; joint 1 rests, but for the noise of its encoder, until it starts at sample 400 and turns at 450.
-        let of_second = |k: usize| match k {
-            0..400 => [2e-3, -2e-3][k % 2],
-            400..450 => 0.1,
-            _ => -0.1,
-        };
+        // Joint 0 moves on; joint 1 rests until it starts at sample 400.
+        let of_second = |k: usize| if k < 400 { [2e-3, -2e-3][k % 2] } else { 0.1 };
         let velocity = (0..samples).map(|_| 0.5).chain((0..samples).map(of_second)).collect();
         let still = vec![0.0; 2 * samples];
         let motion = Motion::new(2, time_s, still.clone(), velocity, still).unwrap();
         let calm = calm(motion.view(), 500.0);
-        assert!(calm[0][..380].iter().all(|c| *c));
-        assert!([400, 450].into_iter().all(|k| calm[0][k - 20..k + 20].iter().all(|c| !c)));
-        assert!(calm[0][420..430].iter().chain(&calm[0][470..]).all(|c| *c));
-        assert!(calm[1][..400].iter().all(|c| !c));
+        assert!(calm[0][..380].iter().chain(&calm[0][420..]).all(|c| *c));
+        assert!(calm[0][380..420].iter().all(|c| !c));
     }
 }

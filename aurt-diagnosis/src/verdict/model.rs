@@ -100,6 +100,15 @@ impl Verdict {
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames { joints: &self.joint_names, links: &self.link_names }
     }
+
+    /// Indications of a change in the targets that chance does not explain: `p_null` is within the level, and another test fails.
+    #[must_use]
+    pub fn indicated_changes(&self) -> Vec<&Finding> {
+        let is_change =
+            |f: &&Finding| f.family != Family::Q && f.present_in.iter().all(|kind| kind == "target");
+        let is_beyond_chance = |f: &&Finding| f.evidence.p_null.is_some_and(|p| p <= self.settings.level);
+        self.indications.iter().map(|i| &i.finding).filter(is_change).filter(is_beyond_chance).collect()
+    }
 }
 
 /// An effect that was found.

@@ -88,7 +88,7 @@ impl Shown<'_> {
 
     fn group(&self, text: &mut String, group: &Group<'_>, style: Style) {
         if group.findings.is_empty() {
-            let _ = writeln!(text, "{}: {}", group.title, nothing(self.verdict.verdict));
+            let _ = writeln!(text, "{}: {}", group.title, nothing(self.verdict));
             return;
         }
         if !group.title.is_empty() {

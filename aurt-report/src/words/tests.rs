@@ -109,9 +109,19 @@ fn a_change_beyond_chance_that_held_out_data_do_not_confirm_is_no_all_clear() {
         said.starts_with("no change is confirmed: the target indicates") && said.contains("joint 3"),
         "{said}"
     );
+    assert!(said.contains("which fails a test; nothing is missing"), "{said}");
+    assert_eq!(nothing(&found), "nothing that is confirmed");
+    assert_ne!(NoiseReport::of(&found).tone(&found, Asked::Change), crate::Tone::Good);
+    // Evidence that fails another test, or that too few rows could confirm, is no all-clear, either.
+    for p_confirm in [Some(0.01), None] {
+        found.indications[0].finding.evidence.p_confirm = p_confirm;
+        assert!(headline(&found, Asked::Change).starts_with("no change is confirmed"));
+    }
     // What chance explains says nothing of the target.
+    found.indications.truncate(1);
     found.indications[0].finding.evidence.p_null = Some(0.2);
     assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
+    assert_eq!(nothing(&found), "nothing");
 }
 
 #[test]

@@ -18,11 +18,7 @@ impl Diagnosed<'_> {
         let mut blocks = Vec::new();
         for group in groups(self.verdict, self.asked) {
             if group.findings.is_empty() {
-                blocks.push(Block::Text(format!(
-                    "{}: {}.",
-                    capital(group.title),
-                    nothing(self.verdict.verdict)
-                )));
+                blocks.push(Block::Text(format!("{}: {}.", capital(group.title), nothing(self.verdict))));
             } else if !group.title.is_empty() {
                 blocks.push(Block::Text(format!("{}:", capital(group.title))));
             }

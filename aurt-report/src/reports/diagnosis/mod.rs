@@ -158,7 +158,7 @@ impl Diagnosed<'_> {
     fn sentences(&self, group: &Group<'_>) -> Vec<String> {
         let claims = group.findings.iter().map(|(_, f)| claim(f, self.asked));
         let mut said: Vec<String> = if group.findings.is_empty() {
-            vec![format!("{}: {}.", capital(group.title), nothing(self.verdict.verdict))]
+            vec![format!("{}: {}.", capital(group.title), nothing(self.verdict))]
         } else if group.title.is_empty() {
             claims.map(|c| format!("{}.", capital(&c))).collect()
         } else {

@@ -33,6 +33,9 @@ const KNOWN_TO_SIMULATION: [&str; 4] = ["aurt-files", "aurt-traits", "aurt-rbd",
 /// Most source files of a folder.
 const MOST_FILES: usize = 20;
 
+/// Most lines of Rust in all crates, tests included. The number may only fall; 130 000 are enough for what they do.
+const MOST_LINES: usize = 171_000;
+
 /// Lists of one kind, one of it a file.
 const LISTS: &[&str] = &[
     "aurt-cli/src/commands",
@@ -217,6 +220,15 @@ fn no_folder_has_more_files_than_one_reads() {
         counts.is_empty(),
         "folders with more than {MOST_FILES} files that are no list of one kind: {counts:#?}"
     );
+}
+
+#[test]
+fn the_tree_does_not_grow() {
+    let folders = crates().into_values().map(|own| Path::new(ROOT).join(own.folder));
+    let files = folders.flat_map(|folder| sources(&folder));
+    let lines: usize = files.map(|file| std::fs::read_to_string(file).unwrap().lines().count()).sum();
+    assert!(lines <= MOST_LINES, "{lines} lines of Rust where {MOST_LINES} are allowed");
+    assert!(lines + 1000 > MOST_LINES, "{lines} lines of Rust: lower MOST_LINES");
 }
 
 #[test]
