@@ -132,6 +132,9 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     let unconfirmed = unconfirmed_change(verdict);
     let difference = match (verdict.verdict, changes, before) {
         (Answer::NoMismatch, ..) => unconfirmed.clone().unwrap_or_else(|| "nothing has changed".to_owned()),
+        (Answer::HeldOutDiffers, ..) if unconfirmed.is_some() => {
+            "no change of the target is confirmed".to_owned()
+        }
         (Answer::HeldOutDiffers, ..) => "no change was found in the target".to_owned(),
         (Answer::Named, Some(changes), _) => format!("changed since calibration: {changes}"),
         (Answer::Named, None, Some(before)) => {
