@@ -136,7 +136,7 @@ impl Scan {
         let (first, last) = window(|k| scan.value(&at(f64::from(k) * step_s)));
         scan.errors = (first..=last).map(|k| at(f64::from(k) * step_s)).collect();
         scan.before = first.unsigned_abs() as usize;
-        let mut center = scan.around_lowest().map(|around| scan.minimum(&around).0);
+        let mut center = scan.center_s();
         for _ in 0..CENTERINGS {
             let Some(center_s) = center else { break };
             scan.fine = Some((center_s, [-1.0, 0.0, 1.0].map(|by| at(center_s + by * FINE * step_s))));
@@ -147,6 +147,13 @@ impl Scan {
                 .filter(|d| (d - center_s).abs() > 0.5 * FINE * step_s);
         }
         scan
+    }
+
+    /// Where the lowest point is looked at once more, s: over spans that are shorter than its deviation errors differ by how rows are
+    /// interpolated.
+    fn center_s(&self) -> Option<f64> {
+        let (center_s, std_s) = self.minimum(&self.around_lowest()?);
+        (std_s < FINE * self.step_s).then_some(center_s)
     }
 
     /// The steps around the lowest one; none where the scan ended there.
@@ -345,6 +352,16 @@ mod tests {
         let single = |curvature: f64| scan((-1..8).map(|k| vec![error(k, curvature)]).collect()).delay();
         assert!(single(0.2).is_some());
         assert_eq!(single(0.004), None);
+    }
+
+    /// Interpolated rows have errors that ripple with the delay: over a quarter of a step the ripple is steeper than the parabola.
+    #[test]
+    fn a_broad_minimum_is_not_looked_for_between_the_steps() {
+        let error = |k: f64| 1.0 + 0.004 * (k - 3.3).powi(2);
+        let broad = scan((-1..8).map(|k| vec![error(f64::from(k)); 3]).collect());
+        let sharp = scan((-1..8).map(|k| vec![1.0 + 50.0 * (error(f64::from(k)) - 1.0); 3]).collect());
+        assert!(broad.center_s().is_none() && sharp.center_s().is_some());
+        assert!((broad.size().unwrap()[0] - 3.3 * 0.002).abs() < 2e-4, "{:?}", broad.size());
     }
 
     /// Logarithms of errors that grow twentyfold within a step are no parabolas, and the lowest of them is beside the delay.
