@@ -66,7 +66,7 @@ pub fn groups(verdict: &Verdict, asked: Asked) -> Vec<Group<'_>> {
         .collect()
 }
 
-/// What an empty group says: nothing, as far as names and tests go.
+/// The words of an empty group: nothing, as far as names and tests go.
 pub fn nothing(verdict: &Verdict) -> &'static str {
     match verdict.verdict {
         Answer::Unexplained => "nothing that was identified",

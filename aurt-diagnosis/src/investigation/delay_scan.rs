@@ -48,7 +48,7 @@ const CONVERGED: f64 = 1e-9;
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
 
-/// Share of a sampling period below which a delay is one of how samples are taken, not of the machine.
+/// Share of a sampling period below which a delay is one of the stamps: clocks jitter by up to 6 % of it (world `rough`).
 const LEAST_OF_SAMPLE: f64 = 0.1;
 
 /// True for a delay among the hypotheses.
@@ -149,8 +149,8 @@ impl Scan {
         scan
     }
 
-    /// Where the lowest point is looked at once more, s: over spans that are shorter than its deviation errors differ by how rows are
-    /// interpolated.
+    /// The lowest point to be looked at once more, s; none where its deviation exceeds the span of the finer steps, over which errors
+    /// differ by how rows are interpolated.
     fn center_s(&self) -> Option<f64> {
         let (center_s, std_s) = self.minimum(&self.around_lowest()?);
         (std_s < FINE * self.step_s).then_some(center_s)
@@ -240,8 +240,8 @@ impl Scan {
         let score: f64 = gains.iter().sum();
         let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let is_common = match &gains[..] {
-            [_] => self.log_error(none, 0) - self.log_error(least, 0) > self.reduction,
-            // What one joint alone speaks for is its own lag.
+            [gain] => *gain > self.effective[0] * self.reduction,
+            // Evidence of one joint alone is that of its own lag.
             _ => score - strongest > self.least,
         };
         let joints = agreement(&self.of_joints())?;

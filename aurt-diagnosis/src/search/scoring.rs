@@ -228,12 +228,10 @@ impl Scoring<'_> {
         let mut cheaper: Vec<usize> = as_good.filter(|g| price(*g) < price(first)).collect();
         cheaper.sort_by_key(|g| price(*g));
         let mut choice = cheaper.into_iter().find(|g| self.leaves_open(fit, first, *g)).unwrap_or(first);
+        let suffices = |g: usize| self.enough(g, fit) && !self.adds_enough(choice, g, fit);
         let simpler = ranked.iter().find(|(g, score)| {
-            let is_as_good = || {
-                let adds_little = || self.enough(*g, fit) && !self.adds_enough(choice, *g, fit);
-                *score >= best - self.options.score || adds_little()
-            };
-            self.groups[choice].generalises(&self.groups[*g]) && is_as_good()
+            self.groups[choice].generalises(&self.groups[*g])
+                && (*score >= best - self.options.score || suffices(*g))
         });
         if let Some((g, _)) = simpler {
             choice = *g;
@@ -252,17 +250,17 @@ impl Scoring<'_> {
         Some(choice)
     }
 
-    /// Whether a group lowers the error of some joint by as much as its kind must.
+    /// True for a group that lowers the error of some joint by as much as its kind must.
     pub(crate) fn enough(&self, group: usize, fit: &Weighed) -> bool {
         self.lowers_enough(group, &fit.errors.all, fit)
     }
 
-    /// Whether a group lowers what a simpler one leaves by as much as its kind must.
+    /// True for a group that lowers what a simpler one leaves by as much as its kind must.
     fn adds_enough(&self, group: usize, simpler: usize, fit: &Weighed) -> bool {
         self.lowers_enough(group, &self.with(fit, &self.groups[simpler].switches), fit)
     }
 
-    /// Whether a group leaves some joint an error that is lower than another by as much as its kind must bring.
+    /// True for a group that leaves some joint an error below another by as much as its kind must bring.
     fn lowers_enough(&self, group: usize, before: &[f64], fit: &Weighed) -> bool {
         let after = self.with(fit, &self.groups[group].switches);
         (0..after.len()).any(|j| {
