@@ -11,8 +11,8 @@
 
 use aurt_recording::ZeroPhase;
 
-use super::link::Gear;
-use super::rows::Rows;
+use super::link::{Deflection, Gear};
+use super::rows::{Load, Rows};
 use crate::error::DiagnosisError;
 
 /// Upper ends of the bands in which the gains along M e_j q̈_j and M e_j τ_j are free, in units of the highest frequency of the rows.
@@ -72,10 +72,10 @@ impl OwnFreed {
         };
         let (mut own, mut residual) = (Vec::with_capacity(joints), Vec::with_capacity(joints));
         for i in 0..joints {
-            let load = &rows.load_nm[i];
+            let load = rows.load_nm(i);
             let first = derivative(load);
             let second = derivative(&first);
-            let columns = [load, &first, &second, &rows.velocity_rad_s[i], &rows.acceleration_rad_s2[i]];
+            let columns = [load, &first, &second, &rows.velocity_rad_s[i], rows.acceleration_rad_s2(i)];
             let white: Vec<Vec<Vec<f64>>> =
                 columns.iter().filter_map(|c| Some(vec![rows.whitened(i, c)?])).collect();
             let basis: Vec<Vec<f64>> = orthonormal(white).into_iter().flatten().collect();
@@ -106,8 +106,8 @@ impl<'a> Against<'a> {
             return Ok(None);
         }
         let span: Vec<usize> = if all { (0..freed.own.len()).filter(judged).collect() } else { vec![joint] };
-        let moves = [&rows.acceleration_rad_s2[joint], &rows.load_nm[joint]];
-        let mut filtered: Vec<Vec<f64>> = moves.map(Clone::clone).to_vec();
+        let moves = [rows.acceleration_rad_s2(joint), rows.load_nm(joint)];
+        let mut filtered: Vec<Vec<f64>> = moves.map(<[f64]>::to_vec).to_vec();
         for edge in BANDS {
             let low = ZeroPhase::butterworth(4, edge * rows.top_hz, rows.rate_hz)?;
             for series in moves {
@@ -145,15 +145,11 @@ impl<'a> Against<'a> {
     /// c·c − 2 αᵀUᵀc + αᵀUᵀUα and its product with the residual r is c·r − αᵀUᵀr.
     pub fn moments(&self, gear: Gear) -> Moments {
         let rows = &self.freed.rows;
-        let deflection = rows.deflection(self.joint, gear);
+        let deflection = rows.deflection(self.joint, gear, Load::Predicted);
         let products: Vec<Vec<(f64, Products)>> = self
             .span
             .iter()
-            .map(|of| {
-                let torque = rows.torque(self.joint, of.joint, gear, &deflection);
-                let white = rows.whitened(of.joint, &torque).unwrap_or_default();
-                of.products(&white, &rows.block, rows.parts)
-            })
+            .map(|of| of.products(&self.white(of, gear, &deflection), &rows.block, rows.parts))
             .collect();
         let total = |of: &[(f64, Products)], k: usize| of.iter().map(|(_, p)| p[k]).sum::<f64>();
         let along: [f64; ALONG] =
@@ -176,6 +172,62 @@ impl<'a> Against<'a> {
             }
         }
         moments
+    }
+
+    /// Gain in log-likelihood of a gear that is there, nats, block by block: ½ c·c with the torque c that is not taken off. The noise
+    /// that drives the simulated link is none of it: one link is driven by the predicted load and one by the measured load, which have no
+    /// noise in common, and c·c is the product of both. Of play counts only what the same flanks without play do not do.
+    pub fn visible(&self, gear: Gear) -> Vec<f64> {
+        let rows = &self.freed.rows;
+        let deflections = [Load::Predicted, Load::Measured].map(|load| {
+            let mut moved = rows.deflection(self.joint, gear, load);
+            if gear.half_gap_rad > 0.0 {
+                let closed = Gear { half_gap_rad: f64::MIN_POSITIVE, ..gear };
+                let flanks = rows.deflection(self.joint, closed, load);
+                // To stand at one flank or the other is another pose, which other parameters explain.
+                moved.angle_rad.fill(0.0);
+                let moves = moved.acceleration_rad_s2.iter_mut().zip(&flanks.acceleration_rad_s2);
+                moves.for_each(|(a, b)| *a -= b);
+            }
+            moved
+        });
+        let freed = deflections.each_ref().map(|deflection| {
+            let white: Vec<Vec<f64>> = self.span.iter().map(|of| self.white(of, gear, deflection)).collect();
+            let products = self.span.iter().zip(&white).map(|(of, white)| {
+                of.products(white, &rows.block, rows.parts).iter().fold(
+                    [0.0; WIDTH],
+                    |mut sum, (_, products)| {
+                        sum.iter_mut().zip(products).for_each(|(s, p)| *s += p);
+                        sum
+                    },
+                )
+            });
+            let products: Vec<Products> = products.collect();
+            let along: [f64; ALONG] = std::array::from_fn(|k| products.iter().map(|p| p[OWN + k]).sum());
+            let free = |((of, mut white), own): ((&Spanned, Vec<f64>), &Products)| {
+                for (value, row) in white.iter_mut().zip(&of.rows) {
+                    let taken = dot_of(&own[..OWN], &row[..OWN]) + dot_of(&along, &row[OWN..OWN + ALONG]);
+                    *value -= taken;
+                }
+                white
+            };
+            self.span.iter().zip(white).zip(&products).map(free).collect::<Vec<_>>()
+        });
+        let mut gains = vec![0.0; rows.parts];
+        for (one, other) in freed[0].iter().zip(&freed[1]) {
+            for ((a, b), block) in one.iter().zip(other).zip(&rows.block) {
+                if let Some(gain) = block.map(|b| &mut gains[b]) {
+                    *gain += 0.5 * a * b;
+                }
+            }
+        }
+        gains
+    }
+
+    /// The torque of a deflection at one of the joints, whitened.
+    fn white(&self, of: &Spanned, gear: Gear, deflection: &Deflection) -> Vec<f64> {
+        let rows = &self.freed.rows;
+        rows.whitened(of.joint, &rows.torque(self.joint, of.joint, gear, deflection)).unwrap_or_default()
     }
 
     /// Power of the residual, block by block.
@@ -233,8 +285,12 @@ fn orthonormal(columns: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f64>>> {
     basis
 }
 
+fn dot_of(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 fn dot(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()).sum()
+    a.iter().zip(b).map(|(a, b)| dot_of(a, b)).sum()
 }
 
 fn free_all(column: &mut [Vec<f64>], basis: &[Vec<Vec<f64>>]) {

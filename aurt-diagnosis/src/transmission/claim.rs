@@ -4,6 +4,8 @@
 //! log-likelihood that a prediction gains on held-out rows. Frequency, damping and play are found by variable
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
+use std::ops::Range;
+
 use aurt_calibration::{in_standard_errors, two_sided};
 
 use super::against::{Against, Moments, OwnFreed};
@@ -28,9 +30,13 @@ const LEAST_SHARE: f64 = 0.02;
 /// Sum of what the best start of each half gains on that half, on the joint's own rows, below which shapes are not refined, nats. Of 48
 /// independent starts the best gains 2.6 by chance on each half, and both together reach this on one joint of 700.
 const WORTH_REFINING: f64 = 12.0;
-/// First steps of the pattern search in the logarithms of frequency and damping, the rotor's share and the logarithm of the play, and how often they are halved.
+/// First steps of the pattern search in the logarithms of frequency and damping, the rotor's share and the logarithm of the play, and how
+/// often they are halved.
 const FIRST_STEPS: [f64; 4] = [0.07, 0.5, 0.2, 0.35];
-const HALVINGS: usize = 4;
+const HALVINGS: Range<i32> = 0..4;
+/// The same for play whose shape is known from the halves, or from what was fitted before: down to half a per cent of the gap, on which the
+/// instants of impacts depend.
+const HALVINGS_OF_KNOWN_PLAY: Range<i32> = 2..7;
 /// Steps of the second differences that give deviations.
 const CURVATURE_STEPS: [f64; 4] = [0.01, 0.1, 0.05, 0.1];
 
@@ -155,47 +161,71 @@ impl<'a> JointRows<'a> {
         Scan { starts, moments: starts.iter().map(|s| self.moments(&self.own, *s)).collect() }
     }
 
-    /// Looks for a gear among starts; `None` if nothing is worth a test. Also what starts of amplitude 1 would gain.
-    pub fn search(&self, scan: &Scan<'_>, among: Among, level: Level) -> (Option<Found>, Vec<f64>) {
+    /// Gain in log-likelihood of a gear that is there, nats, in the targets where there are some: a gear may have changed. What a single part
+    /// shows does not count: chance makes such things.
+    pub fn visible(&self, shape: Shape) -> f64 {
+        let gear = shape.gear(self.inertia);
+        let targets = self.target.contains(&true);
+        let asked = self.own.iter().zip(&self.target).filter(|(_, target)| **target == targets);
+        let gains: Vec<f64> = asked.flat_map(|(against, _)| against.visible(gear)).collect();
+        gains.iter().sum::<f64>() - gains.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Looks for a gear among starts; `None` if nothing is worth a test.
+    pub fn search(&self, scan: &Scan<'_>, among: Among, level: Level) -> Option<Found> {
         let Scan { starts, moments: scanned } = scan;
         let blocks = self.blocks(among);
         let halves = halves(&blocks);
-        let visible = scanned.iter().map(|m| 0.5 * sums(m, &blocks)[0]).collect();
         if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
-            return (None, visible);
+            return None;
         }
+        let own_gain = |start: &usize, half: &[Block]| fitted_gain(sums(&scanned[*start], half));
+        // Of each kind the one that gains most on a half, the best kind first.
         let best = |half: &[Block]| {
-            (0..starts.len()).max_by(|a, b| {
-                fitted_gain(sums(&scanned[*a], half)).total_cmp(&fitted_gain(sums(&scanned[*b], half)))
-            })
+            let mut best: Vec<usize> = Vec::new();
+            let mut order: Vec<usize> = (0..starts.len()).collect();
+            order.sort_by(|a, b| own_gain(b, half).total_cmp(&own_gain(a, half)));
+            for start in order {
+                if best.iter().all(|known| !starts[*known].is_of_a_kind(starts[start])) {
+                    best.push(start);
+                }
+            }
+            best
         };
-        let (Some(first), Some(second)) = (best(&halves[0]), best(&halves[1])) else {
-            return (None, visible);
-        };
+        let best = halves.each_ref().map(|half| best(half));
         // A resonance of little damping lies between two starts. Neither predicts the other half before it is refined.
-        let own_gain = |start: usize, half: &[Block]| fitted_gain(sums(&scanned[start], half));
-        if own_gain(first, &halves[0]) + own_gain(second, &halves[1]) < WORTH_REFINING {
-            return (None, visible);
+        if own_gain(best[0].first()?, &halves[0]) + own_gain(best[1].first()?, &halves[1]) < WORTH_REFINING {
+            return None;
         }
-        (Some(self.tested(&halves, [starts[first], starts[second]], &blocks, level)), visible)
+        let starts = best.map(|best| best.into_iter().map(|start| starts[start]).collect());
+        Some(self.tested(&halves, (starts, HALVINGS), &blocks, level))
     }
 
     /// A gear of this joint tested from a known shape; `None` where too few blocks judge.
     pub fn anew(&self, shape: Shape, among: Among, level: Level) -> Option<Found> {
         let blocks = self.blocks(among);
         let halves = halves(&blocks);
+        let halvings = if shape.half_gap_rad > 0.0 { HALVINGS_OF_KNOWN_PLAY } else { HALVINGS };
         let enough = halves.iter().all(|h| 2 * h.len() >= FEWEST_PARTS);
-        enough.then(|| self.tested(&halves, [shape; 2], &blocks, level))
+        let starts = [0, 1].map(|_| vec![shape]);
+        enough.then(|| self.tested(&halves, (starts, halvings), &blocks, level))
     }
 
-    fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block], level: Level) -> Found {
+    fn tested(
+        &self,
+        halves: &[Vec<Block>; 2],
+        (starts, halvings): ([Vec<Shape>; 2], Range<i32>),
+        blocks: &[Block],
+        level: Level,
+    ) -> Found {
         let mut gains = [0.0; 2];
         let mut log_gains = Vec::new();
         let mut shapes = Vec::new();
         let mut amplitudes = Vec::new();
-        for (k, start) in starts.into_iter().enumerate() {
+        for (k, starts) in starts.into_iter().enumerate() {
             let (fit, judge) = (&halves[k], &halves[1 - k]);
-            let shape = self.refined(start, fit);
+            let refined = starts.into_iter().map(|start| self.refined(start, fit, halvings.clone()));
+            let Some((shape, _)) = refined.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { continue };
             let moments = self.moments(&self.all, shape);
             let amplitude = amplitude(sums(&moments, fit));
             for (s, b) in judge {
@@ -212,7 +242,8 @@ impl<'a> JointRows<'a> {
             fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
                 > fitted_gain(sums(&self.moments(&self.all, shapes[0]), blocks)),
         );
-        let shape = self.refined(shapes[better], blocks);
+        let known = if shapes[better].half_gap_rad > 0.0 { HALVINGS_OF_KNOWN_PLAY } else { HALVINGS };
+        let (shape, _) = self.refined(shapes[better], blocks, known);
         let own_power: f64 = {
             let power: Vec<&[f64]> = self.own.iter().map(Against::power).collect();
             blocks.iter().map(|(s, b)| power[*s][*b]).sum()
@@ -235,12 +266,12 @@ impl<'a> JointRows<'a> {
         found
     }
 
-    /// A pattern search from a start.
-    fn refined(&self, start: Shape, blocks: &[Block]) -> Shape {
+    /// A pattern search from a start, with steps that have been halved as often, and what the shape gains.
+    fn refined(&self, start: Shape, blocks: &[Block], halvings: Range<i32>) -> (Shape, f64) {
         let value = |shape: Shape| fitted_gain(sums(&self.moments(&self.all, shape), blocks));
         let (mut best, mut most) = (start, value(start));
-        let mut steps = FIRST_STEPS;
-        for _ in 0..HALVINGS {
+        for halving in halvings {
+            let steps = FIRST_STEPS.map(|step| step * 0.5_f64.powi(halving));
             for which in 0..start.freedoms() {
                 for sign in [1.0, -1.0] {
                     let mut moves = false;
@@ -258,9 +289,8 @@ impl<'a> JointRows<'a> {
                     }
                 }
             }
-            steps.iter_mut().for_each(|s| *s *= 0.5);
         }
-        best
+        (best, most)
     }
 
     /// Standard deviations of a shape's logarithms, from the curvature of the log-likelihood along each.

@@ -274,29 +274,28 @@ fn of_joint(
     let kinds = [elastic_rows.iter().any(|f| !f.target), elastic_rows.iter().any(|f| f.target)];
     let search = |rows: &JointRows<'_>, starts: &[Shape]| {
         let scan = rows.scan(starts);
-        let (found, visible) = rows.search(&scan, Among::All, level);
+        let found = rows.search(&scan, Among::All, level);
         let found = if kinds == [true; 2] {
-            changed(found, rows.search(&scan, Among::Targets, level).0)
+            changed(found, rows.search(&scan, Among::Targets, level))
         } else {
             found
         };
-        let shows: Vec<Shape> =
-            starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN).map(|(s, _)| *s).collect();
         // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.
-        (found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible()), shows)
+        found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible())
     };
+    let shows = |rows: &JointRows<'_>, shape: &Shape| rows.visible(*shape) >= VISIBLE_GAIN;
     let mut of_joint = OfJoint::default();
     let (mut elastic, mut play) = (None, None);
     if let Some(rows) = JointRows::new(elastic_rows, joint)?.filter(|_| effects[0]) {
-        let (found, shows) = search(&rows, &rows.starts()[0]);
-        elastic = found;
-        of_joint.visible.hz = shows.iter().map(|s| s.hz).max_by(f64::total_cmp);
+        let [starts, _] = rows.starts();
+        elastic = search(&rows, &starts);
+        of_joint.visible.hz = starts.iter().rev().find(|s| shows(&rows, s)).map(|s| s.hz);
         of_joint.visible.inertia = Some(rows.inertia());
     }
     if let Some(rows) = JointRows::new(play_rows, joint)?.filter(|_| effects[1]) {
-        let (found, shows) = search(&rows, &rows.starts()[1]);
-        play = found;
-        of_joint.visible.half_gap_rad = shows.iter().map(|s| s.half_gap_rad).min_by(f64::total_cmp);
+        let [_, starts] = rows.starts();
+        play = search(&rows, &starts);
+        of_joint.visible.half_gap_rad = starts.iter().find(|s| shows(&rows, s)).map(|s| s.half_gap_rad);
     }
     let found = match (elastic, play) {
         (Some(e), Some(p)) if e.confirmed() == p.confirmed() => {

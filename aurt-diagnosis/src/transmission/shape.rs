@@ -31,16 +31,17 @@ const LOWEST_HZ: f64 = 1.5;
 const HIGHEST: f64 = 0.9;
 /// Smallest half play that is tried, rad: a third of an arc minute; each further one is twice as wide.
 const LEAST_GAP_RAD: f64 = 1e-4;
-const GAPS: u32 = 8;
-/// Frequencies of links on the flanks of a gear with play, Hz: flanks are as stiff as a data sheet's gear. They lie above the rows,
-/// in which an impact is a jolt of about this length.
-const FLANKS_HZ: [f64; 2] = [15.0, 30.0];
+const GAPS: u32 = 9;
+/// Frequencies of links on the flanks of a gear with play, Hz, and damping ratios: flanks are as stiff as a data sheet's gear. The
+/// frequencies lie above the rows, in which an impact is a jolt of about this length. From softer flanks of less damping a link parts with
+/// half of the speed with which it strikes, exp(−πζ/√(1 − ζ²)), from the others with a tenth.
+const FLANKS: [[f64; 2]; 2] = [[15.0, 0.2], [40.0, 0.6]];
 /// Highest frequency on flanks, Hz.
-const STIFFEST_FLANK_HZ: f64 = 60.0;
-/// Their damping ratio.
-const FLANK_RATIO: f64 = 0.2;
-/// Bounds of the damping ratio: of more there is no resonance, and the torque is that of a low-pass.
-pub(super) const RATIO_RANGE: [f64; 2] = [0.003, 0.45];
+const STIFFEST_FLANK_HZ: f64 = 80.0;
+/// Bounds of the damping ratio: of more there is no resonance, and the torque is that of a low-pass …
+const RATIO_RANGE: [f64; 2] = [0.003, 0.45];
+/// … and flanks of more catch every link that strikes.
+const MOST_OF_FLANKS: f64 = 0.9;
 
 /// Frequencies within this factor of the ends of the range are at the end: half a step between starts.
 const END: f64 = 1.07;
@@ -65,7 +66,7 @@ impl Shape {
         (0..GAPS)
             .flat_map(|k| {
                 let half_gap_rad = LEAST_GAP_RAD * f64::from(2_u32.pow(k));
-                FLANKS_HZ.map(|hz| Self { hz, ratio: FLANK_RATIO, half_gap_rad, rotor_share: 0.0 })
+                FLANKS.map(|[hz, ratio]| Self { hz, ratio, half_gap_rad, rotor_share: 0.0 })
             })
             .collect()
     }
@@ -92,11 +93,19 @@ impl Shape {
                 let highest = if self.half_gap_rad > 0.0 { STIFFEST_FLANK_HZ } else { HIGHEST * top_hz };
                 moved.hz = (moved.hz * by.exp()).clamp(LOWEST_HZ, highest.max(LOWEST_HZ));
             }
-            1 => moved.ratio = (moved.ratio * by.exp()).clamp(RATIO_RANGE[0], RATIO_RANGE[1]),
+            1 => {
+                let most = if self.half_gap_rad > 0.0 { MOST_OF_FLANKS } else { RATIO_RANGE[1] };
+                moved.ratio = (moved.ratio * by.exp()).clamp(RATIO_RANGE[0], most);
+            }
             2 => moved.rotor_share = (moved.rotor_share + by).clamp(0.0, MOST_ROTOR),
             _ => moved.half_gap_rad *= by.exp(),
         }
         moved
+    }
+
+    /// Whether starts differ in what a search finds by itself: in all but the flanks of play.
+    pub fn is_of_a_kind(self, other: Self) -> bool {
+        self.half_gap_rad == 0.0 || [self.hz, self.ratio] == [other.hz, other.ratio]
     }
 
     /// Whether an elastic gear's frequency stands at the end of the range that is looked at: there is no resonance in it.

@@ -41,13 +41,21 @@ struct Motors {
     encoder_noise_rad: [f64; 2],
     /// The resonance of the link of joint 0, or a rigid gear.
     hz: Option<f64>,
+    /// Half the play of a gear that resonates, rad, whose flanks catch the link.
+    half_gap_rad: f64,
     f_dyn_hz: f64,
     /// Number of sines, from the slowest.
     sines: usize,
 }
 
-const MOTORS: Motors =
-    Motors { rate_hz: 500.0, encoder_noise_rad: [1e-6; 2], hz: None, f_dyn_hz: 10.0, sines: SINES.len() };
+const MOTORS: Motors = Motors {
+    rate_hz: 500.0,
+    encoder_noise_rad: [1e-6; 2],
+    hz: None,
+    half_gap_rad: 0.0,
+    f_dyn_hz: 10.0,
+    sines: SINES.len(),
+};
 
 /// The motors' angles and accelerations.
 fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
@@ -60,10 +68,10 @@ fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
 
 /// The gear of joint 0 as it is found. Its link on a spring is integrated ten times finer than it is recorded.
 fn searched(motors: Motors) -> Option<Found> {
-    let Motors { rate_hz, encoder_noise_rad, hz, f_dyn_hz, sines } = motors;
+    let Motors { rate_hz, encoder_noise_rad, hz, half_gap_rad, f_dyn_hz, sines } = motors;
     let samples = (SECONDS * rate_hz) as usize;
     let mut noise = normal(3);
-    let (mut x, mut v) = (0.0, 0.0);
+    let (mut x, mut v) = (0.0_f64, 0.0);
     let mut recording = Recording {
         file: "made".into(),
         time_s: (0..samples).map(|k| k as f64 / rate_hz).collect(),
@@ -80,13 +88,17 @@ fn searched(motors: Motors) -> Option<Found> {
         let acceleration = [0, 1].map(|j| motion(sines, j, t)[1]);
         let mut link = 0.0;
         if let Some(hz) = hz {
+            let ratio = if half_gap_rad > 0.0 { 0.7 } else { 0.03 };
             let (stiffness, damping) =
-                (INERTIA[0][0] * (TAU * hz).powi(2), 2.0 * 0.03 * INERTIA[0][0] * TAU * hz);
+                (INERTIA[0][0] * (TAU * hz).powi(2), 2.0 * ratio * INERTIA[0][0] * TAU * hz);
             let h = 0.1 / rate_hz;
             for step in 0..10 {
                 let at = t + h * f64::from(step);
                 let load: f64 = (0..2).map(|i| INERTIA[0][i] * motion(sines, i, at)[1]).sum();
-                link = (-load - stiffness * x - damping * v) / INERTIA[0][0];
+                let pressed: f64 = x - x.clamp(-half_gap_rad, half_gap_rad);
+                let push = stiffness * pressed + damping * v;
+                let touches = half_gap_rad == 0.0 || push * pressed > 0.0;
+                link = (-load - if touches { push } else { 0.0 }) / INERTIA[0][0];
                 v += h * link;
                 x += h * v;
             }
@@ -124,12 +136,13 @@ fn searched(motors: Motors) -> Option<Found> {
         &full,
         &GravityGradients::none(2),
         options.effective_position_cutoff_hz(),
-        f64::INFINITY,
+        if half_gap_rad > 0.0 { super::PLAY_TOP_HZ } else { f64::INFINITY },
     );
     let freed = [OwnFreed::new(rows.unwrap(), false)];
     let rows = JointRows::new(&freed, 0).unwrap().unwrap();
-    let [elastic, _]: [Vec<Shape>; 2] = rows.starts();
-    rows.search(&rows.scan(&elastic), Among::All, Level { level: 0.05, trials: 2.0 }).0
+    let [elastic, play]: [Vec<Shape>; 2] = rows.starts();
+    let starts = if half_gap_rad > 0.0 { play } else { elastic };
+    rows.search(&rows.scan(&starts), Among::All, Level { level: 0.05, trials: 2.0 })
 }
 
 #[test]
@@ -139,6 +152,17 @@ fn a_gear_of_known_stiffness_is_found_with_it() {
         assert!(found.confirmed(), "{hz} Hz: {:?}", found.fails);
         assert!((found.shape.hz / hz - 1.0).abs() < 0.03, "{hz} Hz: {:?}", found.shape);
         assert!((found.amplitude - 1.0).abs() < 0.15, "{hz} Hz: {}", found.amplitude);
+    }
+}
+
+#[test]
+fn play_of_known_width_is_found_with_it() {
+    for half_gap_rad in [5e-4, 5e-3, 0.03] {
+        let found = searched(Motors { hz: Some(50.0), half_gap_rad, sines: 3, ..MOTORS }).unwrap();
+        assert!(found.confirmed(), "{half_gap_rad} rad: {:?}", found.fails);
+        let ratio = found.shape.half_gap_rad / half_gap_rad;
+        assert!((ratio - 1.0).abs() < 0.1, "{half_gap_rad} rad: {:?}", found.shape);
+        assert!((found.amplitude - 1.0).abs() < 0.15, "{half_gap_rad} rad: {}", found.amplitude);
     }
 }
 
