@@ -13,7 +13,6 @@ use aurt_traits::{
 };
 use serde_json::json;
 
-/// Samples per second.
 pub const RATE_HZ: f64 = 250.0;
 /// Frequency of the dynamics that filters follow.
 pub const F_DYN_HZ: f64 = 5.0;
@@ -57,7 +56,6 @@ impl From<Option<u32>> for Positions {
 /// Dry friction of a joint that is higher near rest.
 #[derive(Debug, Clone, Copy)]
 pub struct Stribeck {
-    /// The joint.
     pub joint: usize,
     /// F_S − F_C, Nm.
     pub rise_nm: f64,
@@ -75,7 +73,6 @@ impl Stribeck {
 
 /// A robot of which everything is known.
 pub struct KnownRobot {
-    /// Its model.
     pub model: RobotModel,
     /// The model's coefficients.
     pub truth: Vec<f64>,

@@ -20,7 +20,6 @@ pub struct Man {
 }
 
 impl Man {
-    /// Writes the pages.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let mut command = (session.definition)();

@@ -71,13 +71,11 @@ const HALF_TURN_RAD: f64 = std::f64::consts::PI;
 const UPRIGHT_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 
 impl PlannedRobotOptions {
-    /// The files that are read.
     pub fn inputs(&self) -> Vec<&Path> {
         let file = self.robot.as_deref().map(Path::new).filter(|file| file.is_file());
         [self.mdh.as_deref(), self.limits.as_deref(), file].into_iter().flatten().collect()
     }
 
-    /// The robot.
     pub fn planned(&self) -> Result<PlannedRobot, Failure> {
         if let Some(mdh) = &self.mdh {
             return self.of_table(mdh);

@@ -55,7 +55,6 @@ pub struct Sensitivity {
 const RESULTS: &str = "sensitivity.json";
 
 impl Sensitivity {
-    /// Searches the limits.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;

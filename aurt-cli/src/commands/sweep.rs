@@ -122,7 +122,6 @@ enum RowChoice {
 }
 
 impl Sweep {
-    /// Does what is asked.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         match &self.action {
             Action::Run(run) => run.run(session),

@@ -9,7 +9,6 @@ const PRACTICAL_ZERO: f64 = 1e-3;
 /// Columns that take part in a combination with less than this share of the largest do not matter to it.
 const DUST: f64 = 1e-2;
 
-/// What a motion says of one coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Excitation {
     /// It is determined. The share of its column that no combination of the others can imitate, (0, 1].
