@@ -116,7 +116,6 @@ struct Observations {
     columns: Vec<Vec<f64>>,
 }
 
-/// The regressor of random motions.
 fn observe(body: &dyn RigidBodyRegressor, seed: u64, samples: usize) -> Result<Observations, RbdError> {
     let joints = body.joints();
     let parameters = body.standard_parameters().len();

@@ -212,7 +212,6 @@ fn effect_of(table: &toml::Table) -> Result<Box<dyn Effect>, SimulationError> {
     read_effect(name, fields)
 }
 
-/// Where the tables of a scenario stand.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Places {

@@ -38,7 +38,6 @@ impl Man {
     }
 }
 
-/// A page's file name and contents.
 fn page(name: &str, command: &clap::Command, folder: &std::path::Path) -> Result<(String, Vec<u8>), Failure> {
     let file = format!("{name}.1");
     let mut contents = Vec::new();

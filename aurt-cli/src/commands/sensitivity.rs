@@ -51,7 +51,6 @@ pub struct Sensitivity {
     plots: PlotOptions,
 }
 
-/// The file for programs.
 const RESULTS: &str = "sensitivity.json";
 
 impl Sensitivity {
@@ -119,7 +118,6 @@ impl Sensitivity {
         Ok(Report { text, json: document, findings: false })
     }
 
-    /// The joints that were asked for, each once.
     fn joints(&self, available: usize) -> Result<Vec<usize>, Failure> {
         if self.joints.is_empty() {
             return Ok((0..available).collect());

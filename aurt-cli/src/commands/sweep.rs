@@ -143,7 +143,6 @@ impl Sweep {
     }
 }
 
-/// Reads a sweep and writes its plan.
 fn planned(
     experiment: &Path,
     out: &Path,

@@ -256,7 +256,6 @@ impl ZeroPhaseBank {
         (0..self.columns).map(of_column).collect()
     }
 
-    /// Readies the bank for other columns.
     fn reset(&mut self) {
         self.started = false;
         self.carried = 0;

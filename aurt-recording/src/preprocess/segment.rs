@@ -161,7 +161,6 @@ struct OnGrid {
 }
 
 impl Plan<'_> {
-    /// The segment made from the samples `run`.
     pub(super) fn segment(
         &self,
         recording: &Recording,

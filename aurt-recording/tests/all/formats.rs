@@ -50,7 +50,6 @@ fn options(name: &str) -> ReadOptions {
     options
 }
 
-/// All numbers as bits, with their arrangement.
 fn bits(recording: &Recording) -> Vec<Vec<u64>> {
     let measured = recording.measurement.iter().flatten();
     let series = std::iter::once(&recording.time_s).chain(&recording.position_rad).chain(measured);
@@ -212,7 +211,6 @@ fn topics_and_joints_that_are_not_there_are_told_with_those_that_are() {
     assert!(text.contains("joint_names"), "{text}");
 }
 
-/// A record of an MCAP file.
 fn record(kind: u8, parts: &[&[u8]]) -> Vec<u8> {
     let body = parts.concat();
     [&[kind], (body.len() as u64).to_le_bytes().as_slice(), &body].concat()
