@@ -110,16 +110,6 @@ impl ScenarioFile {
         toml::from_str(text).map_err(|error| SimulationError::syntax(path, text, &error))
     }
 
-    /// Reads a scenario from a file.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`], and as [`Self::parse`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        let path = path.as_ref();
-        let text = SimulationError::text_of(path)?;
-        Self::parse(&text, path)
-    }
-
     /// Reads a scenario from a file, planned and checked.
     ///
     /// # Errors

@@ -27,10 +27,7 @@ pub enum ColumnName {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JointColumns {
     /// `[first, last]`: consecutive columns, both included, from 0.
-    Range {
-        first: usize,
-        last: usize,
-    },
+    Range { first: usize, last: usize },
     /// Columns from 0, joint after joint.
     Numbers(Vec<usize>),
     /// Names in the header, joint after joint.

@@ -9,10 +9,20 @@ use super::errors::Complaint;
 
 #[derive(Debug)]
 pub(super) enum JointCheck {
-    Length { key: String, found: usize, span: Span },
-    Joint { joint: usize, span: Span },
+    Length {
+        key: String,
+        found: usize,
+        span: Span,
+    },
+    Joint {
+        joint: usize,
+        span: Span,
+    },
     /// An arm term that must fit the robot.
-    ArmTerm { term: Box<dyn ArmTerm>, table: Node },
+    ArmTerm {
+        term: Box<dyn ArmTerm>,
+        table: Node,
+    },
 }
 
 impl JointCheck {

@@ -28,8 +28,13 @@ use crate::sweep::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
     /// How many points are to be run and how many results are there already.
-    Begin { missing: usize, present: usize },
-    Done { judged: bool },
+    Begin {
+        missing: usize,
+        present: usize,
+    },
+    Done {
+        judged: bool,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

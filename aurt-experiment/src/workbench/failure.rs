@@ -60,11 +60,7 @@ pub enum Failure {
     NotFinite { path: PathBuf, line: usize },
     /// Something needs whole recordings, but they are read in stretches.
     #[error("{reason}; {remedy}")]
-    Stretches {
-        path: Option<PathBuf>,
-        reason: String,
-        remedy: String,
-    },
+    Stretches { path: Option<PathBuf>, reason: String, remedy: String },
     #[error(transparent)]
     Sweep(Box<SweepError>),
     #[error("{option}: {reason}; {remedy}")]
