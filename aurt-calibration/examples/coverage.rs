@@ -80,7 +80,6 @@ fn main() {
     }
 }
 
-/// Intervals of one fit.
 fn covered(
     robot: &KnownRobot,
     clean: &[Recording],

@@ -82,7 +82,6 @@ fn main() {
     }
 }
 
-/// The first seconds of a recording.
 fn first(whole: &Recording, duration_s: f64) -> Recording {
     whole.rows(0..(duration_s * RATE_HZ) as usize)
 }

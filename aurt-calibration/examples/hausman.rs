@@ -17,7 +17,6 @@ use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
 use rayon::prelude::*;
 
 const DURATION_S: f64 = 20.0;
-/// Rounds of which the fastest counts.
 const ROUNDS: usize = 9;
 
 fn main() {

@@ -90,7 +90,6 @@ pub fn hausman(
     Tested { rows, coefficients, weights: &weights(sigma) }.test(&Shift::default())
 }
 
-/// What a calibration is about.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setting<'a> {
     pub model: &'a RobotModel,
@@ -112,7 +111,6 @@ pub(crate) struct FittedTo<'a> {
     pub shift: Option<&'a Shift>,
 }
 
-/// A calibration from its solution.
 pub(crate) fn finished(
     setting: &Setting<'_>,
     system: &System,

@@ -15,12 +15,10 @@ use by_nalgebra as library;
 
 pub(crate) use library::Cholesky;
 
-/// MᵀM.
 pub(crate) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     library::gram(matrix)
 }
 
-/// Singular values, descending.
 pub(crate) fn singular_values(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
     is_finite(matrix).then(|| library::singular_values(matrix))?
 }
@@ -30,7 +28,6 @@ pub(crate) fn singular_vectors(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, D
     is_finite(matrix).then(|| library::singular_vectors(matrix))?
 }
 
-/// Eigenvalues and eigenvectors of a symmetric matrix.
 pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     is_finite(matrix).then(|| library::symmetric_eigen(matrix))?
 }

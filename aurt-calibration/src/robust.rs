@@ -25,7 +25,6 @@ const LEAST_SLOPE: f64 = 0.1;
 /// Above this share of rows without weight it is rather the model that misfits.
 const MANY: f64 = 0.05;
 
-/// How a residual counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Loss {
     /// Quadratic up to 1.345 σ, linear beyond (Huber 1964); convex.

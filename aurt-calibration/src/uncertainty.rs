@@ -73,7 +73,6 @@ pub struct CalibratedParameter {
     pub excited: bool,
 }
 
-/// The coefficients with their precision.
 pub(crate) fn calibrated_parameters(
     model: &RobotModel,
     unit: MeasurementUnit,

@@ -33,7 +33,6 @@ fn calibration(threads: usize, count_ends: bool) -> Calibration {
     })
 }
 
-/// All bits of a calibration's numbers.
 fn bits(calibration: &Calibration) -> u64 {
     let parameters = calibration.parameters.iter().flat_map(|p| [p.value, p.std_dev.unwrap_or(-1.0)]);
     let rest = calibration.sigma.iter().copied().chain([calibration.condition_number]);

@@ -72,7 +72,6 @@ pub fn parse(words: impl Iterator<Item = OsString>) -> Result<Arguments, clap::E
     Arguments::from_arg_matches(&matches).map_err(|e| e.format(&mut definition))
 }
 
-/// The options whose value is a vector.
 const VECTOR_OPTIONS: [&str; 3] = ["--gravity", "--torque-constants", "--centre-of-mass-m"];
 
 /// Joins the words that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:

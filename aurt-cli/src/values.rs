@@ -56,7 +56,6 @@ pub fn parse_torque_constants(text: &str) -> Result<Constants, String> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constants(pub Vec<f64>);
 
-/// A number above zero.
 pub fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
@@ -65,7 +64,6 @@ pub fn parse_positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Zero or a number above it.
 pub fn parse_not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),

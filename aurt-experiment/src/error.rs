@@ -10,7 +10,6 @@ pub enum Error {
     /// The experiment is wrong in one or more places.
     #[error(transparent)]
     Experiment(#[from] Box<ExperimentErrors>),
-    /// Its file, its models or its robot.
     #[error(transparent)]
     Model(#[from] aurt_plugins::model::Error),
 }

@@ -23,12 +23,10 @@ const RUST: &str = "\
     alloc as async await become box core crate dyn final fn gen impl in let libm loop macro match mod \
     move mut priv proc_macro pub ref self std super test trait try type use";
 
-/// Whether `name` is one of the words of a list.
 fn among(words: &str, name: &str) -> bool {
     words.split(' ').any(|word| word == name)
 }
 
-/// Whether a crate may be called `name`.
 pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
     check_identifier(name)?;
     if among(RUST, name) {
@@ -37,7 +35,6 @@ pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Whether names may begin with `name`.
 pub(crate) fn check_identifier(name: &str) -> Result<(), ExportError> {
     let refuse = |reason| Err(ExportError::Name { name: name.to_owned(), reason });
     if name.len() > 40 {

@@ -202,7 +202,6 @@ fn rotors(case: &Case) -> Vec<f64> {
         .collect()
 }
 
-/// States with the torques that bodies need there.
 fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
     checks(case, 32)
         .into_iter()

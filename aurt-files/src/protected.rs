@@ -22,7 +22,6 @@ pub fn protect_inputs() {
     READ.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default();
 }
 
-/// Notes a file that is read.
 pub(crate) fn note(path: &Path, metadata: &Metadata) {
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((read, identity)) = read.as_mut().zip(identity(path, metadata)) {
@@ -30,7 +29,6 @@ pub(crate) fn note(path: &Path, metadata: &Metadata) {
     }
 }
 
-/// Whether this process has read what has such metadata.
 #[cfg(unix)]
 pub(crate) fn is_known(metadata: &Metadata) -> bool {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);

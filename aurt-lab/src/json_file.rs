@@ -4,7 +4,6 @@ use serde::de::DeserializeOwned;
 
 use aurt_simulation::SimulationError;
 
-/// Reads a JSON file.
 pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, SimulationError> {
     let text = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES)
         .map_err(|source| SimulationError::Io { path: path.into(), source })?;

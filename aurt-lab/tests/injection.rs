@@ -66,7 +66,6 @@ fn requested(effect: &str, strength: Strength) -> InjectedRequest {
     InjectedRequest { case, roles: None }
 }
 
-/// The columns of a recording's file.
 fn columns(case: &Case, file: &str) -> Vec<Vec<f64>> {
     let (_, content) = case.files.iter().find(|(name, _)| name == file).unwrap();
     let text = std::str::from_utf8(content).unwrap();
@@ -205,7 +204,6 @@ fn the_truth_is_not_in_the_case_folder_and_seeds_decide() {
     assert_ne!(make(8).truth.effects[0].fields, case.truth.effects[0].fields);
 }
 
-/// A null is the recordings as they are, in other roles than those of the reference and of every other null.
 #[test]
 fn nulls_are_distinct_and_in_other_roles_than_their_references() {
     let world = injected();

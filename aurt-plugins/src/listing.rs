@@ -38,7 +38,6 @@ pub struct ModelListing {
     pub origin: Origin,
 }
 
-/// The crate of the models that come with AURT.
 const BUILTIN: &str = "aurt-friction";
 
 /// Who registered a model.

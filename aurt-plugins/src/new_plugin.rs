@@ -103,7 +103,6 @@ pub fn new_plugin(name: &str, language: PluginLanguage, folder: &Path) -> Result
     Ok(NewPlugin { folder: folder.to_owned(), files, model, library, commands })
 }
 
-/// The model's name, if the plugin's can be used.
 fn model_name(name: &str) -> Result<String, Error> {
     let refuse = |reason: &'static str| Err(Error::PluginName { name: name.to_owned(), reason });
     let model = name.replace('-', "_");
@@ -122,7 +121,6 @@ fn model_name(name: &str) -> Result<String, Error> {
     Ok(model)
 }
 
-/// `my_model` as `MyModel`.
 fn type_name(model: &str) -> String {
     model
         .split('_')

@@ -14,7 +14,6 @@ use serde::{
 
 use crate::configuration::{Entry, Node, NodeKind, Span};
 
-/// The last place that was read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Place {
     /// Where it stands.

@@ -12,7 +12,6 @@ use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain, base_par
 const UR10E: &str = "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n\
                      -pi/2,0,0.11985\n0,0,0.11655\n";
 
-/// Fastest round in nanoseconds per call.
 fn fastest(rounds: usize, calls: usize, mut work: impl FnMut()) -> f64 {
     (0..rounds)
         .map(|_| {

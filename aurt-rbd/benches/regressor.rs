@@ -16,7 +16,6 @@ use std::time::Instant;
 use aurt_rbd::{Dispatch, INERTIAL_PARAMETERS, MdhRows, MdhTable, SerialChain, base_parameters};
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 
-/// Robots by name and table.
 const ROBOTS: [(&str, &str); 2] = [
     (
         "ur10e",
@@ -34,7 +33,6 @@ const STRIDE: usize = SAMPLES + 8;
 const ROUNDS: usize = 801;
 const CALLS_PER_ROUND: usize = 8;
 
-/// A motion through all angles.
 fn motion(joints: usize) -> Motion {
     let series = |reach: f64| -> Vec<f64> {
         (0..joints * SAMPLES)
@@ -81,7 +79,6 @@ fn time(level: Dispatch, chain: &SerialChain, destinations: &[u32]) -> [f64; 2] 
     [rounds[0], rounds[ROUNDS / 2]]
 }
 
-/// A robot of [`ROBOTS`].
 fn robot(name: &str, mdh: &str) -> SerialChain {
     let table = MdhTable::parse(mdh, name, MdhRows::Next).expect("a constant table");
     SerialChain::from_mdh(&table, [0.0, 0.0, -9.81]).expect("a constant chain")

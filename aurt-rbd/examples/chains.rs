@@ -20,7 +20,6 @@ use serde_json::{Value, json};
 
 /// Gravity in the frame of the base link.
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
-/// Random states of each chain.
 const STATES: usize = 100;
 
 /// Numbers of [−1, 1) by a linear congruence.

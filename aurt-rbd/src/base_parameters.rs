@@ -116,7 +116,6 @@ struct Observations {
     columns: Vec<Vec<f64>>,
 }
 
-/// The regressor of random motions.
 fn observe(body: &dyn RigidBodyRegressor, seed: u64, samples: usize) -> Result<Observations, RbdError> {
     let joints = body.joints();
     let parameters = body.standard_parameters().len();
@@ -190,60 +189,92 @@ fn of_largest_remainders(observations: &Observations) -> Vec<usize> {
     kept
 }
 
-/// QR decomposition column by column in an order, in which dependent columns are left out of Q.
 fn eliminated(observations: &Observations, order: &[usize]) -> Selection {
-    let lengths: Vec<f64> = observations.columns.iter().map(|c| dot(c, c).sqrt()).collect();
+    let order = order.iter().copied();
+    let done = eliminate(&observations.columns, order, NUMERICAL_ZERO, NUMERICAL_ZERO);
+    let smallest = done.triangle.iter().filter_map(|r| r.last()).fold(f64::INFINITY, |m, d| m.min(*d));
+    let mut combinations: Vec<Vec<(usize, f64)>> = done.kept.iter().map(|k| vec![(*k, 1.0)]).collect();
+    for (index, factors) in &done.dependent {
+        for (k, factor) in factors.iter().enumerate() {
+            let factor = without_dust(factor * done.lengths[*index] / done.lengths[done.kept[k]]);
+            if factor != 0.0 {
+                combinations[k].push((*index, factor));
+            }
+        }
+    }
+    Selection { columns: done.kept, combinations, smallest, pivoted: false }
+}
+
+/// Columns of a matrix, told apart into independent ones and combinations of these.
+#[derive(Debug, Clone)]
+pub struct Elimination {
+    /// Lengths of all columns.
+    pub lengths: Vec<f64>,
+    /// Independent columns, in the order in which they were taken.
+    pub kept: Vec<usize>,
+    /// Triangle R of the kept columns of unit length, by columns.
+    pub triangle: Vec<Vec<f64>>,
+    /// Dependent columns of unit length, each with its factors of the kept ones that were taken before it.
+    pub dependent: Vec<(usize, Vec<f64>)>,
+}
+
+/// QR decomposition column by column in an order, in which dependent columns are left out of Q.
+///
+/// Columns are scaled to unit length; those shorter than `silent` times the longest are in neither list, those of which
+/// less than `zero` is left beside the kept ones are dependent.
+#[must_use]
+pub fn eliminate(
+    columns: &[Vec<f64>],
+    order: impl IntoIterator<Item = usize>,
+    silent: f64,
+    zero: f64,
+) -> Elimination {
+    let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
-    let mut kept: Vec<usize> = Vec::new();
+    let mut done = Elimination { lengths, kept: Vec::new(), triangle: Vec::new(), dependent: Vec::new() };
     let mut q: Vec<Vec<f64>> = Vec::new();
-    // Upper triangle R₁ of the kept columns, and R₂ of the dependent ones with their index.
-    let mut r1: Vec<Vec<f64>> = Vec::new();
-    let mut dependent: Vec<(usize, Vec<f64>)> = Vec::new();
-    let mut smallest = f64::INFINITY;
-    for (index, column) in order.iter().map(|index| (*index, &observations.columns[*index])) {
-        if lengths[index] <= NUMERICAL_ZERO * longest {
+    for index in order {
+        let length = done.lengths[index];
+        if length <= silent * longest {
             continue;
         }
-        let mut rest: Vec<f64> = column.iter().map(|v| v / lengths[index]).collect();
+        let mut rest: Vec<f64> = columns[index].iter().map(|v| v / length).collect();
         let mut r = vec![0.0; q.len()];
         // Projecting twice makes Q orthogonal to rounding, however close the columns are.
         for _ in 0..2 {
             for (direction, r) in q.iter().zip(&mut r) {
                 let share = dot(direction, &rest);
                 *r += share;
-                for (v, d) in rest.iter_mut().zip(direction) {
-                    *v -= share * d;
-                }
+                rest.iter_mut().zip(direction).for_each(|(v, d)| *v -= share * d);
             }
         }
         let diagonal = dot(&rest, &rest).sqrt();
-        if diagonal > NUMERICAL_ZERO {
-            smallest = smallest.min(diagonal);
+        if diagonal > zero {
             rest.iter_mut().for_each(|v| *v /= diagonal);
             q.push(rest);
             r.push(diagonal);
-            r1.push(r);
-            kept.push(index);
+            done.triangle.push(r);
+            done.kept.push(index);
         } else {
-            dependent.push((index, r));
+            let factors = done.solve(r);
+            done.dependent.push((index, factors));
         }
     }
-    let mut combinations: Vec<Vec<(usize, f64)>> = kept.iter().map(|k| vec![(*k, 1.0)]).collect();
-    for (index, mut factors) in dependent {
-        for row in (0..factors.len()).rev() {
-            factors[row] /= r1[row][row];
+    done
+}
+
+impl Elimination {
+    /// x with R x = b, for the first columns of R if b is shorter.
+    #[must_use]
+    pub fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
+        for row in (0..b.len()).rev() {
+            b[row] /= self.triangle[row][row];
             for above in 0..row {
-                factors[above] -= r1[row][above] * factors[row];
+                b[above] -= self.triangle[row][above] * b[row];
             }
         }
-        for (k, factor) in factors.iter().enumerate() {
-            let factor = without_dust(factor * lengths[index] / lengths[kept[k]]);
-            if factor != 0.0 {
-                combinations[k].push((index, factor));
-            }
-        }
+        b
     }
-    Selection { columns: kept, combinations, smallest, pivoted: false }
 }
 
 /// A factor with its rounding removed where it is almost an integer, which the usual ones (0, 1, −1, 2) are.

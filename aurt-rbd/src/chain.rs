@@ -250,7 +250,6 @@ pub(crate) fn check_link_names(names: &[String], joints: usize) -> Result<(), Rb
     Err(RbdError::Count { what: "link names", expected: joints, found: names.len() })
 }
 
-/// Whether branches can be those of a chain of `joints` joints.
 pub(crate) fn check_branches(branches: &[Branch], joints: usize) -> Result<(), RbdError> {
     match branches.iter().find(|b| b.upstream.iter().any(|j| *j >= joints)) {
         Some(branch) => Err(RbdError::Branch { name: branch.joint.clone(), joints }),
@@ -258,7 +257,6 @@ pub(crate) fn check_branches(branches: &[Branch], joints: usize) -> Result<(), R
     }
 }
 
-/// What a saved chain holds.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChainSpec {

@@ -148,7 +148,6 @@ impl CoupledChain {
         .ok()
     }
 
-    /// The joints that follow a coordinate.
     fn followers(&self, coordinate: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let all = self.couplings.iter().enumerate();
         all.filter(move |(_, c)| c.coordinate == coordinate).map(|(k, c)| (k, c.multiplier))
@@ -273,7 +272,6 @@ impl RigidBodyRegressor for CoupledChain {
     }
 }
 
-/// What a saved coupled chain holds.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CoupledSpec {

@@ -110,12 +110,6 @@ impl ChainDynamics {
         self.links.len()
     }
 
-    /// The chain.
-    #[must_use]
-    pub const fn chain(&self) -> &SerialChain {
-        &self.chain
-    }
-
     /// Sets rotation and origin of every link frame for the joint angles `q_rad`.
     pub(crate) fn place(&mut self, q_rad: &[f64]) {
         assert_eq!(q_rad.len(), self.joints(), "joint angles");

@@ -56,7 +56,7 @@ mod rnea;
 pub mod robots;
 
 pub use aurt_traits::Dispatch;
-pub use base_parameters::{CarriedOver, base_parameters, carry_over};
+pub use base_parameters::{CarriedOver, Elimination, base_parameters, carry_over, eliminate};
 pub use chain::SerialChain;
 pub use coupled::{CoupledChain, Coupling};
 pub use description::RobotDescription;

@@ -234,7 +234,6 @@ fn read_header(
     columns
 }
 
-/// The column that an unknown name probably means.
 fn probably_meant(name: &str) -> Option<&'static str> {
     let stem = name.split(['_', ' ', '(', '[', '-']).next().unwrap_or_default();
     // Likeness takes time with the length, and no slip of the pen is so long.

@@ -12,7 +12,6 @@ use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 use crate::selection::ColumnRef;
 
-/// An array of numbers in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Array {
     /// Its name; none where a file is one array.
@@ -23,7 +22,6 @@ pub(crate) struct Array {
     pub(crate) column_major: bool,
 }
 
-/// How numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Numbers {
     pub(crate) kind: Kind,
@@ -31,7 +29,6 @@ pub(crate) struct Numbers {
     pub(crate) big_endian: bool,
 }
 
-/// What the bits of a number mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Float,
@@ -42,7 +39,6 @@ pub(crate) enum Kind {
 /// Loads arrays by their places in the list of arrays, in storage order.
 pub(crate) type Load<'a> = &'a mut dyn FnMut(&[usize]) -> Result<HashMap<usize, Vec<f64>>, RecordingError>;
 
-/// A file of arrays that is being read.
 pub(crate) struct ArrayFile<'a> {
     pub(crate) memory: Memory<'a>,
     pub(crate) format: &'a str,

@@ -33,7 +33,6 @@ pub const FORMATS: &[&dyn RecordingFormat] = &[
     &Csv,
 ];
 
-/// The format of an open file.
 pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFormat {
     let ending = input.path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let by_content = FORMATS.iter().find(|format| format.recognises(&input.beginning));

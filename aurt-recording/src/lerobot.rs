@@ -26,9 +26,7 @@ use crate::selection::{ColumnRef, ColumnsRef};
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
 const INFO_LIMIT: u64 = 64 << 20;
-/// The feature with the positions.
 const STATE: &str = "observation.state";
-/// Features with torques, and with currents.
 const TORQUES: [&str; 2] = ["observation.effort", "observation.torque"];
 const CURRENT: &str = "observation.current";
 const VELOCITY: &str = "observation.velocity";
@@ -65,7 +63,6 @@ struct Feature {
 }
 
 impl Feature {
-    /// Numbers in a frame.
     fn width(&self) -> usize {
         self.shape.iter().product()
     }
@@ -329,7 +326,6 @@ impl Clock {
     }
 }
 
-/// Both recordings as one.
 fn joined(mut before: Recording, next: Recording) -> Recording {
     let mut next = after(&before, next);
     before.report = std::mem::take(&mut next.report);

@@ -191,7 +191,6 @@ impl Scan<'_> {
         Ok(bytes)
     }
 
-    /// A variable, or a field of the name `field`.
     fn matrix(&mut self, source: &mut dyn Read, field: Option<&str>, depth: usize) -> io::Result<()> {
         const STRUCTURE: u8 = 2;
         const COMPLEX: u8 = 0x08;

@@ -19,7 +19,6 @@ use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Headers longer than this are none.
 const HEADER_LIMIT: usize = 1 << 16;
 
 /// Arrays saved by NumPy: `np.savez("log.npz", time=t, q=q, current=i)`, compressed or not, and single arrays (`.npy`),
@@ -31,7 +30,6 @@ const HEADER_LIMIT: usize = 1 << 16;
 #[derive(Debug, Clone, Copy)]
 pub struct NumPy;
 
-/// What the header of an array says.
 struct Header {
     numbers: Numbers,
     column_major: bool,

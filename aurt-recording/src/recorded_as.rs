@@ -200,7 +200,6 @@ impl RecordedAs {
         Ok(())
     }
 
-    /// The factor of time stamps.
     pub(crate) const fn time_factor(&self) -> Factor {
         match self.time {
             None | Some(TimeUnit::Second) => [1.0, 1.0],
@@ -210,7 +209,6 @@ impl RecordedAs {
         }
     }
 
-    /// The factor of motor currents.
     pub(crate) const fn current_factor(&self) -> Factor {
         match self.current {
             None | Some(CurrentUnit::Ampere) => [1.0, 1.0],

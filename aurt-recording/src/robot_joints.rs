@@ -10,7 +10,6 @@ use crate::error::RecordingError;
 use crate::noise::white_level_at;
 use crate::recording::{RecordedJoints, Recording};
 
-/// Standard gravity, m/s².
 const GRAVITY_M_S2: f64 = 9.806_65;
 
 /// The joints of a robot that recordings are brought into the order of.

@@ -39,17 +39,14 @@ impl JointNoise {
     }
 }
 
-/// The errors of all joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseReport {
     /// Whether they are of held-out rows; of the fitted rows where nothing was held out.
     pub is_held_out: bool,
-    /// The joints, base first.
     pub joints: Vec<JointNoise>,
 }
 
 impl NoiseReport {
-    /// The errors that a verdict states.
     pub fn of(verdict: &Verdict) -> Self {
         let held = &verdict.held_out;
         let lists = [&held.rms_before, &held.rms_after, &held.rms_floor];

@@ -6,7 +6,6 @@ use crate::{figure::Figure, table::Table};
 pub struct Page {
     /// What it is about, in the browser's title and at the top.
     pub title: String,
-    /// The answer, in words.
     pub verdict: Verdict,
     /// What supports it, most important first.
     pub sections: Vec<Section>,
@@ -21,11 +20,9 @@ pub struct Page {
 pub enum Tone {
     Good,
     Found,
-    /// Something needs attention.
     Attention,
 }
 
-/// The answer, in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     pub tone: Tone,
@@ -42,11 +39,9 @@ pub struct Section {
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     Text(String),
-    /// Sentences, each for itself.
     List(Vec<String>),
     /// Text to be shown as it is written.
     Code(String),

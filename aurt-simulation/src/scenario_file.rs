@@ -110,16 +110,6 @@ impl ScenarioFile {
         toml::from_str(text).map_err(|error| SimulationError::syntax(path, text, &error))
     }
 
-    /// Reads a scenario from a file.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`], and as [`Self::parse`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        let path = path.as_ref();
-        let text = SimulationError::text_of(path)?;
-        Self::parse(&text, path)
-    }
-
     /// Reads a scenario from a file, planned and checked.
     ///
     /// # Errors
@@ -212,7 +202,6 @@ fn effect_of(table: &toml::Table) -> Result<Box<dyn Effect>, SimulationError> {
     read_effect(name, fields)
 }
 
-/// Where the tables of a scenario stand.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Places {

@@ -17,7 +17,6 @@ use crate::{
 
 /// The version of the file that this program reads and writes.
 const SCHEMA: u64 = 1;
-/// `kind` of the file.
 const KIND: &str = "calibrated_robot_dynamics";
 
 /// A robot model with its coefficients and all that prediction needs.

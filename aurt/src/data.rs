@@ -38,7 +38,6 @@ impl Instrument {
         if self.torque_constants_nm_per_a.is_some() { MeasurementUnit::NewtonMetre } else { unit }
     }
 
-    /// The factors that undo it for a measurement in `unit`.
     fn factors(&self, unit: MeasurementUnit) -> Option<Vec<f64>> {
         let constants = self.torque_constants_nm_per_a.as_ref().filter(|_| unit == MeasurementUnit::Ampere);
         match (constants, &self.gains) {

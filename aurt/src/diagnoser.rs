@@ -303,7 +303,6 @@ fn corrected(mut instrument: Instrument, found: &Improvement) -> Instrument {
     instrument
 }
 
-/// An added term in a line.
 fn added(term: &Value, scope: &Option<Vec<String>>) -> String {
     match scope {
         None => format!("arm term {term}"),

@@ -18,11 +18,9 @@ pub use crate::likeness::Likeness;
 
 /// Rows in a run by which samples are known again.
 const RUN_ROWS: usize = 64;
-/// Runs of a recording that are kept.
 const RUNS: usize = 32;
 /// Recordings, the latest, with which others are compared piece by piece.
 const COMPARED: usize = 64;
-/// Base of the rolling hash.
 const BASE: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Series with what they are for.
@@ -56,7 +54,6 @@ impl<'r> UsedSeries<'r> {
         Self { label: &source.label, role, time_s: time, motion: &recording.position_rad, measured, rows }
     }
 
-    /// A hash of each row of the whole.
     fn hashes(&self) -> Vec<u64> {
         let samples = self.motion.first().map_or(0, Vec::len);
         let mut hashes = vec![0_u64; samples];

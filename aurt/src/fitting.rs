@@ -296,7 +296,6 @@ impl CalibratedModel {
         self.predicted(loaded, &self.pipeline().preprocess(loaded, Purpose::Prediction)?)
     }
 
-    /// The same of a recording that was preprocessed for prediction.
     fn predicted(&self, loaded: &Loaded, prepared: &NamedRecording) -> Result<Vec<u8>, Error> {
         let predictions = predict(&self.model, &self.calibration, prepared)?;
         Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))

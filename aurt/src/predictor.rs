@@ -202,7 +202,6 @@ impl Predictor {
         self.time_s = 0.0;
     }
 
-    /// Adds the arm terms that are loads, or those that are not.
     fn add_terms(&mut self, loads: bool, motion: MotionView<'_>) -> Result<(), ModelError> {
         let Self { model, terms, load_torque, torque, started, .. } = self;
         for (part, term) in terms.iter_mut().zip(model.arm_terms()).filter(|(part, _)| part.is_load == loads)

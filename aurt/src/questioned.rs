@@ -56,7 +56,6 @@ impl Part {
         Ok(Loaded { source: self.source.clone(), recording: self.recording.clone().of_robot(joints)? })
     }
 
-    /// Preprocessed.
     pub(crate) fn questioned(
         &self,
         loaded: Loaded,

@@ -134,7 +134,6 @@ pub fn saved_model(data: &[u8]) {
     }
 }
 
-/// An error has a sentence.
 fn said(error: &dyn std::fmt::Display) {
     assert!(!error.to_string().is_empty());
 }
@@ -143,7 +142,6 @@ fn text(data: &[u8]) -> Option<&str> {
     std::str::from_utf8(data).ok().filter(|text| text.len() <= MOST_BYTES)
 }
 
-/// A file with these bytes.
 fn file(name: &str, data: &[u8]) -> PathBuf {
     let path = folder().join(name);
     fs::write(&path, data).expect("the folder of inputs can be written");

@@ -4,7 +4,6 @@ use aurt_recording::Recording;
 
 use crate::known_robot::{NOISE_NM, RATE_HZ};
 
-/// Duration of a knock, s.
 const KNOCK_S: f64 = 0.05;
 
 /// A recording with knocks of 50 ms in one per cent of its rows, each of 60 deviations of the noise at every joint, two of three

@@ -4,16 +4,14 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::NamedRecording;
+use aurt_friction::coulomb;
 use aurt_plugins::Registry;
-use aurt_plugins::model::RigidBodyDynamics;
+use aurt_plugins::model::{Friction, RigidBodyDynamics};
 use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, Recording, preprocess};
-use aurt_traits::{
-    ArmTerm, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel, ViscousBasis,
-};
+use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::json;
 
-/// Samples per second.
 pub const RATE_HZ: f64 = 250.0;
 /// Frequency of the dynamics that filters follow.
 pub const F_DYN_HZ: f64 = 5.0;
@@ -57,7 +55,6 @@ impl From<Option<u32>> for Positions {
 /// Dry friction of a joint that is higher near rest.
 #[derive(Debug, Clone, Copy)]
 pub struct Stribeck {
-    /// The joint.
     pub joint: usize,
     /// F_S − F_C, Nm.
     pub rise_nm: f64,
@@ -75,7 +72,6 @@ impl Stribeck {
 
 /// A robot of which everything is known.
 pub struct KnownRobot {
-    /// Its model.
     pub model: RobotModel,
     /// The model's coefficients.
     pub truth: Vec<f64>,
@@ -110,7 +106,6 @@ impl KnownRobot {
     /// The same with dry friction that is higher near rest on some joints; the model begins with another shape.
     #[must_use]
     pub fn with_stribeck(load: Option<&LinkBody>, stribeck: Vec<Stribeck>) -> Self {
-        let registry = Registry::linked().unwrap();
         let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
         let mut standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
         let rigid = RigidBodyDynamics::from_mdh(&table, GRAVITY_M_S2, 0).unwrap();
@@ -121,22 +116,15 @@ impl KnownRobot {
                 truth.push(COULOMB_NM[j]);
                 truth.extend(law.map(|law| law.rise_nm));
                 truth.push(VISCOUS_NM_S[j]);
-                let coulomb = law.map_or(json!({"model": "constant"}), |_| {
-                    json!({"model": "stribeck", "stribeck_velocity_rad_s": 0.05, "stribeck_exponent": 1.0})
-                });
-                JointStack::new(
-                    registry.build_from_json::<dyn CoulombModel>(&coulomb).unwrap(),
-                    registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
-                    registry
-                        .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))
-                        .unwrap(),
-                )
-                .unwrap()
+                let level = coulomb::stribeck::Stribeck { stribeck_exponent: 1.0, ..Default::default() };
+                let friction = Friction::default();
+                law.map_or(friction.clone(), |_| friction.level(level)).stack().unwrap()
             })
             .collect();
         let terms = load.map(|load| {
             truth.extend(load.standard_parameters());
-            registry.build_from_json::<dyn ArmTerm>(&json!({"model": "payload", "link": 5})).unwrap()
+            let payload = json!({"model": "payload", "link": 5});
+            Registry::linked().unwrap().build_from_json::<dyn ArmTerm>(&payload).unwrap()
         });
         let model = rigid.with_joint_dynamics(stacks, terms.into_iter().collect()).unwrap();
         if let Some(load) = load {

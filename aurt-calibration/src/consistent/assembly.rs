@@ -62,7 +62,6 @@ const ROTOR: [f64; 10] = [0.5, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 /// The place of ZZ among the standard parameters of a body.
 const ABOUT_AXIS: usize = 5;
 
-/// What a program is made from.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
     pub fit: &'a Fit<'a>,

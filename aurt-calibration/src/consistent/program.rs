@@ -74,7 +74,6 @@ pub(crate) struct Program {
     pub pull: Pull,
 }
 
-/// Where a search ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Reached {
     /// y.
@@ -99,7 +98,6 @@ impl Program {
         0.5 * y.rows(self.free, self.seen).norm_squared() / self.scale
     }
 
-    /// The bodies' parameters.
     pub(crate) fn standard(&self, y: &DVector<f64>) -> Vec<Standard> {
         self.bodies.iter().map(|b| b.at + Standard::from_iterator((&b.of * y).iter().copied())).collect()
     }

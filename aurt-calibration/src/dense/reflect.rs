@@ -100,7 +100,6 @@ fn product<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
     total(&partial)
 }
 
-/// Adds `factor` · x to `to`.
 #[inline(always)]
 fn add_multiple<const FUSED: bool>(factor: f64, x: &[f64], to: &mut [f64]) {
     for (to, x) in to.iter_mut().zip(x) {

@@ -30,7 +30,6 @@ impl Autocovariance {
         self.values += counted;
     }
 
-    /// Mean square.
     fn variance(&self) -> f64 {
         self.sums.first().map_or(0.0, |s| s / self.values.max(1) as f64)
     }

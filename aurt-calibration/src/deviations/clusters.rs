@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Fewer clusters say nothing.
 const FEWEST: usize = 4;
 
 /// By how much the variance of each group of coefficients, given as ranges of indices, exceeds what the noise explains; at

@@ -8,7 +8,6 @@ use crate::{
     rows::{JointRows, Observed, Piece},
 };
 
-/// Order of the filter, one way.
 const ORDER: usize = 4;
 /// Its cut-off over that of the parallel filter: at f_dyn by default. The power of noise in accelerations grows with the fifth
 /// power of the cut-off.

@@ -15,10 +15,8 @@ use crate::{
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;
-/// No stretch is shorter than this many rows.
 const SHORTEST: usize = 40;
 
-/// The weight of a joint's row by its residual.
 pub(crate) type RowWeight<'a> = &'a (dyn Fn(usize, f64) -> f64 + Sync);
 
 /// A fit whose covariance is sought.
@@ -184,7 +182,6 @@ pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     result
 }
 
-/// Takes in coloured rows.
 fn fold(factor: &mut JointFactor, rows: &JointRows, noise: &Autoregression, times: f64) {
     let length = rows.residual.len() + noise.longer();
     let mut coloured = vec![Vec::new(); rows.columns.len()];

@@ -7,7 +7,6 @@
 use aurt_rbd::{JointKind, LinkFrame, SerialChain};
 use aurt_traits::Jet;
 
-/// A vector in the base frame.
 pub(crate) type Vector = [Jet; 3];
 
 /// A motion (angular velocity, velocity of the point at the origin) or a force (moment about the origin, force).
@@ -70,7 +69,6 @@ impl Twist {
         }
     }
 
-    /// The power of a force along this motion.
     fn power(self, force: Self) -> Jet {
         dot(self.turn, force.turn) + dot(self.slide, force.slide)
     }
@@ -96,7 +94,6 @@ impl Inertia {
     }
 }
 
-/// Where a joint and its link are.
 #[derive(Debug, Clone, Copy, Default)]
 struct Placed {
     axis: Twist,

@@ -56,7 +56,6 @@ pub(crate) fn covariance(
     Some(covariance)
 }
 
-/// Neighbouring stretches as one.
 fn together(stretches: &[Stretch]) -> Stretch {
     let (first, others) = (stretches[0].clone(), &stretches[1..]);
     others.iter().fold(first, |sum, other| Stretch {

@@ -225,7 +225,6 @@ struct Part {
 }
 
 impl<'a> Problem<'a> {
-    /// The problem of recordings, or of their pieces.
     pub(crate) fn new(
         arm: &'a DrivenArm,
         columns: &'a [Column],
@@ -237,7 +236,6 @@ impl<'a> Problem<'a> {
         Self { arm, columns, recordings, options, stretch_s, passes: AtomicU64::new(0) }
     }
 
-    /// All numbers of the arm at θ.
     fn numbers(&self, theta: &[f64]) -> Vec<f64> {
         let mut numbers: Vec<f64> = self.arm.numbers().iter().map(|p| p.value).collect();
         for (column, value) in self.columns.iter().zip(theta) {

@@ -53,7 +53,6 @@ struct Touch {
     point_m: [f64; 3],
 }
 
-/// An arm on its way.
 pub(crate) struct Plant<'a> {
     arm: &'a DrivenArm,
     drives: Vec<Vec<Jet>>,

@@ -13,7 +13,6 @@ use crate::{
     CalibrationError, NamedRecording, Solution, System, accumulate_scoped, rows::Observed, statistics::Random,
 };
 
-/// Order of the filter of the positions, one way.
 const FILTER_ORDER: usize = 4;
 /// Motions lie below this share of the parallel cut-off, which is half of f_dyn, and below this frequency, Hz, as far as
 /// the speed with which a joint crosses the lattice is concerned.
@@ -24,7 +23,6 @@ const NEGLIGIBLE_SHARE: f64 = 1e-4;
 /// Draws of the noise that a bias is shown from, and that it is corrected by.
 pub(crate) const DRAWS: [u64; 2] = [4, 16];
 
-/// Least squares, and what it was fitted to.
 pub(crate) struct Fitted<'a> {
     pub rows: Observed<'a>,
     pub system: &'a System,

@@ -83,7 +83,6 @@ pub struct ParameterBias {
     pub deviations: f64,
 }
 
-/// What noise of the positions does to an estimate.
 pub(crate) struct Looked {
     pub joints: Vec<JointPositionNoise>,
     pub f_dyn: Option<FittedBandwidth>,

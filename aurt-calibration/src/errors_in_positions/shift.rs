@@ -49,7 +49,6 @@ impl Shift {
         &self.all[..self.coefficients.min(self.all.len())]
     }
 
-    /// Of the coefficients, draw by draw.
     pub(crate) fn draws(&self) -> impl Iterator<Item = &[f64]> {
         self.draws.iter().map(|draw| &draw[..self.coefficients])
     }

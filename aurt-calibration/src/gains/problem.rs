@@ -260,7 +260,6 @@ impl Directions {
         self.values[k] > UNSEEN * self.values.max()
     }
 
-    /// The shortest solution.
     fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         let mut sum = DVector::zeros(self.scale.len());
         let padded = right.clone().resize_vertically(self.left.nrows(), 0.0);

@@ -68,7 +68,6 @@ fn worst(fitted: &Fitted<'_>, joint: usize) -> Result<Option<Driven>, ModelError
     Ok(worst)
 }
 
-/// The loads at which a joint's friction is looked at.
 fn loads(model: &RobotModel, joint: usize, range: &JointRange) -> Vec<f64> {
     let stack = &model.stacks()[joint];
     let loaded =

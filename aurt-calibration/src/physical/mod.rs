@@ -17,7 +17,6 @@ use aurt_traits::ColumnGroup;
 
 use crate::CalibratedParameter;
 
-/// What contradicts physics, each with what to do.
 pub(crate) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
     let mut warnings = body::warnings(fitted);
     warnings.extend(friction::warnings(fitted));

@@ -68,7 +68,6 @@ pub(crate) fn metric(b: &Matrix4<f64>) -> SMatrix<f64, 10, 10> {
     g
 }
 
-/// The standard parameters of a pseudo-inertia.
 pub(crate) fn standard_of(p: &Matrix4<f64>) -> Standard {
     let (x, y, z) = (p[(0, 0)], p[(1, 1)], p[(2, 2)]);
     Standard::from_row_slice(&[

@@ -59,7 +59,6 @@ pub struct Drift {
     pub interval_95: Option<[f64; 2]>,
 }
 
-/// The windows of one parameter.
 struct Spread {
     windows: usize,
     /// δ_r and Σ_i s_ri⁻².

@@ -47,7 +47,6 @@ impl<'m> Source<'m> {
         }
     }
 
-    /// All of a model's sources, in column order.
     pub(crate) fn all(model: &'m RobotModel) -> Vec<Self> {
         model.groups().iter().filter_map(|(group, _)| Self::of(model, *group)).collect()
     }

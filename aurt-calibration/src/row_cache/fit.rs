@@ -64,7 +64,6 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    /// The parts of a column of zeros.
     pub(crate) fn zero(&self) -> Self {
         Self { along: vec![0.0; self.along.len()], beyond: vec![0.0; self.beyond.len()] }
     }
@@ -79,7 +78,6 @@ impl Split {
     }
 }
 
-/// A column of the joint dynamics, split.
 #[derive(Debug, Clone)]
 pub(crate) struct SplitColumn {
     /// The joint whose rows these are.
@@ -180,7 +178,6 @@ impl<'r> FitRows<'r> {
         Ok(self.split(joined))
     }
 
-    /// Splits columns of any joints.
     fn split(&self, columns: Vec<(usize, usize, Vec<f64>)>) -> Vec<SplitColumn> {
         let mut result: Vec<Option<SplitColumn>> = vec![None; columns.len()];
         for (joint, basis) in self.joints.iter().enumerate() {

@@ -12,7 +12,6 @@ use crate::{
     system::estimate_coefficients,
 };
 
-/// A linear fit with what it was made of.
 #[derive(Debug)]
 pub(crate) struct Fitted {
     /// The load torque's weights.

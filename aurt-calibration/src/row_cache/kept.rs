@@ -28,7 +28,6 @@ impl Part {
 /// Recording, segment, joint, and the model with its configuration.
 pub(super) type Key = (usize, usize, usize, String);
 
-/// What is kept of some recordings.
 pub(super) type Parts = Kept<Key, Part>;
 
 /// Results under what they depend on, up to some memory.

@@ -26,7 +26,6 @@ impl LoadSeries {
         self.samples
     }
 
-    /// One joint's series.
     pub(crate) fn joint(&self, joint: usize) -> &[f64] {
         &self.values[joint * self.samples..(joint + 1) * self.samples]
     }

@@ -89,7 +89,6 @@ impl StackSums {
     }
 }
 
-/// Adds `coefficient` · column.
 pub(super) fn add(sum: &mut [f64], coefficient: f64, column: &[f64]) {
     for (s, v) in sum.iter_mut().zip(column) {
         *s += coefficient * v;

@@ -51,7 +51,6 @@ pub(crate) struct Accumulated {
     pub load_torque: Vec<f64>,
 }
 
-/// As [`accumulate_scoped`], with the range of the load torques.
 pub(crate) fn accumulate_ranged(
     model: &RobotModel,
     recordings: &[NamedRecording],
@@ -97,7 +96,6 @@ fn accumulate_segment(
     }
 }
 
-/// The measurement of some rows of a segment.
 pub(crate) struct Measured<'a> {
     /// Index of the first row within the segment.
     pub first_row: usize,
@@ -186,7 +184,6 @@ impl<'a> Folding<'a> {
         Ok(())
     }
 
-    /// Ends the segment.
     pub(crate) fn finish(self, measured: &Measured<'_>) -> Result<Accumulated, CalibrationError> {
         let coefficients = self.model.parameters().len();
         let finish = |share: Share<'_>| share.finish(measured);
@@ -196,7 +193,6 @@ impl<'a> Folding<'a> {
         Ok(Accumulated { system, load_torque: self.load_torque })
     }
 
-    /// Rows that have been delivered.
     pub(crate) fn delivered(&self) -> usize {
         self.shares.first().map_or(0, |share| share.delivered)
     }

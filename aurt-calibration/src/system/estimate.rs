@@ -58,7 +58,6 @@ pub(crate) fn estimate_coefficients(
     if estimator.is_weighted() { Ok(system.solve_coefficients(&weights(&sigma))?.0) } else { Ok(ols) }
 }
 
-/// Weights of OLS.
 pub(crate) fn ones(system: &System) -> Vec<f64> {
     vec![1.0; system.factors().len()]
 }

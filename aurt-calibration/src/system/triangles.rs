@@ -50,7 +50,6 @@ impl System {
         &self.factors
     }
 
-    /// The joints' factors, to take in rows.
     pub(crate) fn factors_mut(&mut self) -> &mut [JointFactor] {
         &mut self.factors
     }
@@ -218,7 +217,6 @@ impl System {
         Ok(Reduced { kept, scales, upper, right, others, beyond })
     }
 
-    /// What the weighted rows determine, as one triangle.
     pub(crate) fn triangle(&self, weights: &[f64]) -> Result<Triangle, CalibrationError> {
         let Reduced { kept, scales, upper, right, others, beyond } = self.reduced(weights, |_| true)?;
         let m = kept.len();

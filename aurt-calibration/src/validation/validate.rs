@@ -34,7 +34,6 @@ pub enum ValidatedRows {
     All,
 }
 
-/// The rows of a segment that a validation looks at.
 pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_rad_s: f64) -> Range<usize> {
     let all = 0..segment.rows();
     if rows == ValidatedRows::All {

@@ -14,7 +14,6 @@ pub(super) struct Owner {
     variant: Variant,
 }
 
-/// The owner at some shapes.
 #[derive(Debug, Clone)]
 pub(super) enum Variant {
     Stack(JointStack),
@@ -91,7 +90,6 @@ impl Variant {
         }
     }
 
-    /// The model with this variant in the place of its own.
     pub(super) fn put_into(
         self,
         model: &RobotModel,

@@ -31,7 +31,6 @@ pub(super) struct Problem<'a> {
     evaluations: AtomicUsize,
 }
 
-/// The problem at some shapes.
 #[derive(Debug, Clone)]
 pub(super) struct Point {
     /// Each owner's shapes, as shares of their ranges.
@@ -70,7 +69,6 @@ pub(super) struct Linearised {
 }
 
 impl<'a> Problem<'a> {
-    /// The problem of a model's shapes.
     pub(super) fn new(
         model: &'a RobotModel,
         rows: &'a FitRows<'a>,
@@ -126,7 +124,6 @@ impl<'a> Problem<'a> {
         Ok(Point { units, cost, columns, reduced })
     }
 
-    /// `point` with other shapes for some owners.
     pub(super) fn moved(
         &self,
         point: &Point,
@@ -150,7 +147,6 @@ impl<'a> Problem<'a> {
         Ok(moved)
     }
 
-    /// The model with the shapes of a point.
     pub(super) fn model_at(&self, point: &Point) -> Result<RobotModel, CalibrationError> {
         let mut model = self.model.clone();
         for (owner, units) in self.owners.iter().zip(&point.units) {
@@ -171,7 +167,6 @@ impl<'a> Problem<'a> {
         System::new(n + appended.len(), factors)
     }
 
-    /// The coefficients that belong to a point.
     pub(super) fn coefficients(&self, point: &Point) -> Result<Vec<f64>, CalibrationError> {
         Ok(self.system(point, &[]).solve_coefficients(&self.weights)?.0)
     }

@@ -22,7 +22,6 @@ const LOOK_AROUND: [f64; 3] = [0.05, 0.01, 0.002];
 /// How often a minimum that has something better beside it is left again.
 const MOST_ESCAPES: usize = 6;
 
-/// Searches the whole box.
 pub(super) fn search_box(
     problem: &Problem<'_>,
     start: Point,
@@ -46,7 +45,6 @@ pub(super) fn search_box(
     Ok(Found { descent, agreeing: alone.iter().map(|(_, n)| *n).collect(), starts: options.refined.max(1) })
 }
 
-/// Searches the surroundings of a point.
 pub(super) fn search_nearby(
     problem: &Problem<'_>,
     start: Point,

@@ -73,7 +73,6 @@ pub struct CalibrateValidate {
 }
 
 impl CalibrateValidate {
-    /// Calibrates and validates.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let terminal = session.terminal;
         let inputs = [self.model.as_path(), self.data.as_path()];

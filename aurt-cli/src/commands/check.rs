@@ -109,7 +109,6 @@ impl Check {
         Ok(report)
     }
 
-    /// Checks an experiment with a `[drive]`.
     fn drives(&self, experiment: &Experiment, session: &Session<'_>) -> Result<Report, Failure> {
         let given = [("--fixed", self.fixed.is_some()), ("--out", self.out.is_some())];
         if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {

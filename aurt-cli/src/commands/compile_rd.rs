@@ -115,7 +115,6 @@ impl CompileRd {
         Ok(Report { text, json, findings: false })
     }
 
-    /// The stack that the options describe.
     fn stack(&self, registry: &Registry) -> Result<JointStack, Failure> {
         let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::Constant).model();
         let coulomb = build::<dyn CoulombModel>(registry, json!({ "model": coulomb }));

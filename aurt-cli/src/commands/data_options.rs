@@ -171,7 +171,6 @@ impl FittingOptions {
     }
 }
 
-/// `columns` as an experiment writes it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ColumnsTable {

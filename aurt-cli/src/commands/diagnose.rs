@@ -180,7 +180,6 @@ impl Diagnose {
 }
 
 impl Diagnose {
-    /// Diagnoses an experiment with a `[drive]`.
     fn drives(
         &self,
         experiment: &Experiment,
@@ -223,7 +222,6 @@ impl Diagnose {
         self.left_out(&known, "effect or registered model")
     }
 
-    /// Those of `known` that are not examined.
     fn left_out(&self, known: &[&str], kind: &str) -> Result<Vec<String>, Failure> {
         let (option, names) =
             if self.only.is_empty() { ("--without", &self.without) } else { ("--only", &self.only) };

@@ -67,7 +67,6 @@ pub struct Init {
 }
 
 impl Init {
-    /// Writes the experiment.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         if self.out.exists() {
             return Err(Failure::argument(

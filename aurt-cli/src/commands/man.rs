@@ -20,7 +20,6 @@ pub struct Man {
 }
 
 impl Man {
-    /// Writes the pages.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let mut command = (session.definition)();
@@ -39,7 +38,6 @@ impl Man {
     }
 }
 
-/// A page's file name and contents.
 fn page(name: &str, command: &clap::Command, folder: &std::path::Path) -> Result<(String, Vec<u8>), Failure> {
     let file = format!("{name}.1");
     let mut contents = Vec::new();

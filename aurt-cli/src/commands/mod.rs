@@ -96,7 +96,6 @@ pub struct Session<'a> {
 }
 
 impl Command {
-    /// Does it.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         match self {
             Self::Run(command) => command.run(session),

@@ -60,7 +60,6 @@ impl Models {
     }
 }
 
-/// What a slot is, and how experiments fill it.
 fn title(slot: Slot) -> String {
     match slot {
         Slot::Coulomb => "Coulomb friction, f_C(τ_J): coulomb = { model = … }".into(),

@@ -39,7 +39,6 @@ enum Language {
 }
 
 impl NewPlugin {
-    /// Writes the plugin.
     pub fn run(&self) -> Result<Report, Failure> {
         let language = match self.lang {
             Language::Rust => PluginLanguage::Rust,

@@ -67,17 +67,14 @@ pub struct PlannedRobot {
 const TIME_TO_FULL_SPEED_S: f64 = 0.5;
 /// Range of a joint that turns without end, to either side, rad.
 const HALF_TURN_RAD: f64 = std::f64::consts::PI;
-/// Gravity of a robot that stands upright.
 const UPRIGHT_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 
 impl PlannedRobotOptions {
-    /// The files that are read.
     pub fn inputs(&self) -> Vec<&Path> {
         let file = self.robot.as_deref().map(Path::new).filter(|file| file.is_file());
         [self.mdh.as_deref(), self.limits.as_deref(), file].into_iter().flatten().collect()
     }
 
-    /// The robot.
     pub fn planned(&self) -> Result<PlannedRobot, Failure> {
         if let Some(mdh) = &self.mdh {
             return self.of_table(mdh);
@@ -274,14 +271,11 @@ fn in_next_reading(table: MdhTable) -> Vec<MdhRow> {
     rows
 }
 
-/// The columns of a table of limits.
 const COLUMNS: [&str; 4] = ["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"];
 
 /// Largest angle of a joint's limits, rad: two turns. Half a turn in degrees is beyond it.
 const LARGEST_ANGLE_RAD: f64 = aurt_rbd::LARGEST_ANGLE_RAD;
-/// Highest velocity of a joint, rad/s.
 const HIGHEST_VELOCITY_RAD_S: f64 = 100.0;
-/// Highest acceleration of a joint, rad/s².
 const HIGHEST_ACCELERATION_RAD_S2: f64 = 1e4;
 
 /// Reads limits: a header with [`COLUMNS`] in any order, and a row for each joint.

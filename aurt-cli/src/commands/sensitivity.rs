@@ -51,11 +51,9 @@ pub struct Sensitivity {
     plots: PlotOptions,
 }
 
-/// The file for programs.
 const RESULTS: &str = "sensitivity.json";
 
 impl Sensitivity {
-    /// Searches the limits.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
@@ -120,7 +118,6 @@ impl Sensitivity {
         Ok(Report { text, json: document, findings: false })
     }
 
-    /// The joints that were asked for, each once.
     fn joints(&self, available: usize) -> Result<Vec<usize>, Failure> {
         if self.joints.is_empty() {
             return Ok((0..available).collect());

@@ -122,7 +122,6 @@ enum RowChoice {
 }
 
 impl Sweep {
-    /// Does what is asked.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         match &self.action {
             Action::Run(run) => run.run(session),
@@ -144,7 +143,6 @@ impl Sweep {
     }
 }
 
-/// Reads a sweep and writes its plan.
 fn planned(
     experiment: &Path,
     out: &Path,

@@ -12,7 +12,6 @@ const CONTEXT: usize = 36;
 
 /// Longest text that is shown without being cropped around the place, bytes.
 const LONGEST_SHOWN: usize = 2000;
-/// Longest line of which an excerpt is made, bytes.
 const LONGEST_LINE: u64 = 1 << 22;
 
 /// A piece of a text file with a part of it to be underlined.

@@ -26,7 +26,6 @@ use super::excerpt::Excerpt;
 /// Columns that messages are wrapped to on a terminal.
 const WIDTH: usize = 96;
 
-/// One thing that is wrong.
 #[derive(Debug, Clone, Default, Error, Diagnostic)]
 #[error("{message}")]
 struct Problem {
@@ -140,7 +139,6 @@ fn problems(failure: &Failure) -> Vec<Problem> {
     problems
 }
 
-/// Problems that are shown at once.
 const MOST_PROBLEMS: usize = 100;
 
 fn found(failure: &Failure) -> Vec<Problem> {

@@ -30,7 +30,6 @@ pub fn shown(steps: usize, template: &str) -> Progress {
     Progress::observed(Bar { bar })
 }
 
-/// A bar on standard error.
 #[derive(Debug)]
 struct Bar {
     bar: ProgressBar,
@@ -62,7 +61,6 @@ impl Drop for Bar {
     }
 }
 
-/// The step that is being done.
 #[derive(Debug, Default)]
 struct Step {
     number: usize,

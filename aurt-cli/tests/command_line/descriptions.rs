@@ -197,7 +197,6 @@ fn descriptions_that_are_no_model_of_the_arm_are_refused() {
     folder.aurt(arguments).refused(&["--tip"]);
 }
 
-/// Masses, as the metrics of a run have them.
 fn masses(folder: &Folder, results: &str) -> Vec<f64> {
     let metrics = folder.json(&format!("{results}/metrics.json"));
     let standard = metrics["consistent"]["standard"].as_array().unwrap();

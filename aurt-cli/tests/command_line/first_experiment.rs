@@ -203,7 +203,6 @@ fn a_tree_without_a_tip_is_taken_whole() {
     assert!(folder.read("right.toml").contains("tip = \"right\""));
 }
 
-/// Two arms on a base, and a recording of one of them.
 #[test]
 fn a_recording_of_one_arm_of_two_says_which_joints_are_missing() {
     let folder = Folder::new();

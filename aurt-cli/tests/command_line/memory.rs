@@ -14,7 +14,6 @@ use crate::{
 
 /// Bytes for each number of the recordings, and bytes that every command takes.
 const ALLOWED: (u64, u64) = (250, 60 << 20);
-/// A calibration in one command.
 const CALIBRATE: &str = "calibrate --model rd.json --data long.csv --f-dyn-hz 5 \
                          --torque-constants 11.976 11.976 9.839 10.763 10.763 10.763 --out-params p.csv \
                          --out-calibrated-model c.json";

@@ -15,7 +15,6 @@ fn read(folder: &Folder, name: &str) -> Recording {
     read_recording(&folder.path(name), &options).unwrap()
 }
 
-/// The motion as it is planned, in every format.
 fn written() -> (Folder, aurt_recording::PlannedMotion) {
     let folder = Folder::new();
     for name in ["motion.csv", "motion.yaml", "motion.script", "motion.mcap", "motion.lerobot"] {

@@ -14,7 +14,6 @@ fn embedded(report: &str) -> Value {
     serde_json::from_str(document).unwrap()
 }
 
-/// Nothing in a report leads out of it.
 fn assert_self_contained(report: &str) {
     for forbidden in [" src=", "@import", "url(", "<link", "<iframe", "fetch(", "XMLHttpRequest"] {
         assert!(!report.contains(forbidden), "a report contains `{forbidden}`");

@@ -30,7 +30,6 @@ const MEMORY: (u64, u64) = (20, 200 << 20);
 /// Draws of each damage that draws something, in all and in the share of every test run.
 const DRAWS: (usize, usize) = (12, 1);
 
-/// What became of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
     Refused,

@@ -26,13 +26,11 @@ const TOLD: usize = 55;
 /// Mistakes that data cannot tell (docs/mistakes.md).
 const NOT_TOLD: [&str; 1] = ["the name of a smaller robot of the same family"];
 
-/// What a command said, and how it ended.
 struct Said {
     status: i32,
     text: String,
 }
 
-/// What was said of a mistake.
 struct Answer {
     check: Said,
     run: Said,
@@ -124,7 +122,6 @@ fn real() -> Option<World> {
     Some(world)
 }
 
-/// The robot of the demo.
 fn simulated(folder: &Path) -> World {
     assert_eq!(aurt(folder, &["demo", "--out", "demo"]).status, 0);
     let demo = folder.join("demo");

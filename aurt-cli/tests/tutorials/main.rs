@@ -9,7 +9,6 @@ use std::{
 
 use tempfile::TempDir;
 
-/// The project's root.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }

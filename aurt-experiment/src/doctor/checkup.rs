@@ -47,7 +47,6 @@ pub enum Known<'a> {
     Experiment(&'a Experiment),
 }
 
-/// A recording that is to be checked.
 #[derive(Debug, Clone)]
 pub enum Given {
     File(Box<Source>),
@@ -64,7 +63,6 @@ pub struct Question<'a> {
     pub registry: &'a Registry,
 }
 
-/// What a check came to.
 pub struct Checkup {
     /// Each recording with what its motion excites by itself.
     alone: Vec<Seen>,
@@ -179,7 +177,6 @@ impl Checkup {
         findings
     }
 
-    /// Of these, what recordings by themselves give rise to.
     fn of_recordings(&self) -> Vec<String> {
         let several = match self.alone.as_slice() {
             [only] => return only.findings(),

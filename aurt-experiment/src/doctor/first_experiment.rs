@@ -31,10 +31,8 @@ const HIGHEST_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 /// Share of a single recording that calibrates.
 const CALIBRATED_SHARE: f64 = 0.7;
-/// Of so many recordings one is held out.
 const ONE_HELD_OUT_OF: usize = 3;
 
-/// What is known of the robot and its recordings.
 #[derive(Debug, Clone)]
 pub struct Known {
     /// A name that `aurt robots` lists, a robot description file (.urdf, .xml) or a table of MDH parameters.
@@ -46,16 +44,13 @@ pub struct Known {
     pub part: Part,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
-    /// Torque constants, if they are known.
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
-    /// The recordings, each with its role if that is known.
     pub recordings: Vec<(Source, Option<Role>)>,
 }
 
 #[derive(Debug)]
 pub struct Draft {
     pub text: String,
-    /// Choices that were made, in sentences.
     pub guesses: Vec<String>,
     /// What the setup doctor says of it, before its changes.
     pub examination: Option<Examination>,
@@ -71,7 +66,6 @@ struct Arm {
 struct Looked {
     inspected: Inspected,
     unit_was_guessed: bool,
-    /// Its role, if that is known.
     role: Option<Role>,
 }
 

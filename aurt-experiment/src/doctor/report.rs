@@ -21,14 +21,11 @@ use crate::doctor::inspection::joints::JointReport;
 pub struct Excited<'a> {
     /// Determined, each with the share of its column that others cannot imitate.
     pub determined: Vec<(&'a str, f64)>,
-    /// Determined in combinations only.
     pub combined: Vec<&'a str>,
-    /// Out of reach.
     pub silent: Vec<&'a str>,
     pub condition_number: f64,
 }
 
-/// A recording that was looked at.
 pub struct Checked<'a> {
     pub name: &'a str,
     pub recording: &'a Recording,
@@ -39,7 +36,6 @@ pub struct Checked<'a> {
     pub findings: &'a [String],
     /// What was found while it was read and put on its grid.
     pub notes: &'a [String],
-    /// The f_dyn that suits such motions, Hz.
     pub suitable_f_dyn_hz: Option<f64>,
     pub document: &'a Value,
 }

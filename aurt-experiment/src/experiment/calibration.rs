@@ -6,11 +6,8 @@ use super::{robot::Robot, section::Section};
 /// `[calibration]`: how the coefficients are found. All keys are optional.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// `estimator`.
     pub estimator: Estimator,
-    /// `load_torque`.
     pub load_torque: LoadTorqueChoice,
-    /// `rest`.
     pub rest: Rest,
     /// `fit_shapes`: whether parameters in which models are not linear (Stribeck velocity, presliding distance) are
     /// searched too; true by default. What the experiment writes for them is then one start of the search among

@@ -10,7 +10,6 @@ use aurt_plugins::{Node, NodeKind};
 pub struct RecordingColumns {
     /// `time`; not needed beside `rate_hz`.
     pub time: Option<ColumnName>,
-    /// `position`, one per joint.
     pub position: JointColumns,
     /// `velocity`, one per joint; optional.
     pub velocity: Option<JointColumns>,
@@ -22,20 +21,13 @@ pub struct RecordingColumns {
 pub enum ColumnName {
     /// By its place, from 0.
     Index(usize),
-    /// By its name in the header.
     Name(String),
 }
 
-/// The columns of a quantity that each joint has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum JointColumns {
     /// `[first, last]`: consecutive columns, both included, from 0.
-    Range {
-        /// Column of joint 0.
-        first: usize,
-        /// Column of the last joint.
-        last: usize,
-    },
+    Range { first: usize, last: usize },
     /// Columns from 0, joint after joint.
     Numbers(Vec<usize>),
     /// Names in the header, joint after joint.
@@ -90,7 +82,6 @@ impl JointColumns {
         }
     }
 
-    /// Number of columns.
     pub const fn count(&self) -> usize {
         match self {
             Self::Range { first, last } => *last + 1 - *first,
@@ -100,7 +91,6 @@ impl JointColumns {
     }
 }
 
-/// `columns` of a recording.
 pub(super) fn columns(mut table: Section<'_, '_>, has_clock: bool) -> Option<RecordingColumns> {
     let time = if has_clock { table.require("time", "time = 0") } else { table.take("time") };
     let time = time.map(|n| column(&table, "time", n));

@@ -10,9 +10,7 @@ use super::{joint_count::JointCheck, section::Section};
 /// `[drive]`: the drives of all joints, what else of the joints a simulation needs, and which numbers are estimated.
 #[derive(Debug, Clone)]
 pub struct Drive {
-    /// Where it stands in the experiment's text.
     pub span: Range<usize>,
-    /// One for each joint.
     pub joints: Vec<DrivenJoint>,
     /// `command`: the commands between two rows.
     pub command: CommandSignal,
@@ -85,7 +83,6 @@ fn model(section: &Section<'_, '_>, node: &Node) -> Option<Box<dyn DriveModel>> 
     built.map_err(|error| section.complain("model", node, &format!("names no drive: {error}"), None)).ok()
 }
 
-/// The values of a number for each joint.
 fn numbers_of(section: &mut Section<'_, '_>, number: &DriveParameter, joints: usize) -> Vec<f64> {
     let key = &number.parameter.name;
     let default = vec![number.value; joints];

@@ -3,7 +3,6 @@ use std::{borrow::Borrow, fmt, path::PathBuf};
 use aurt_plugins::{BuildError, Span};
 use thiserror::Error;
 
-/// Problems of one experiment that are told at once.
 const MOST_PROBLEMS: usize = 100;
 
 /// Everything that is wrong with an experiment, in the order of the text.
@@ -12,15 +11,11 @@ const MOST_PROBLEMS: usize = 100;
 /// underline.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub struct ExperimentErrors {
-    /// The experiment's file.
     pub path: PathBuf,
-    /// Its text, which the spans index.
     pub source_text: String,
-    /// The problems, at least one.
     pub problems: Vec<Problem>,
 }
 
-/// One thing that is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// The key or value at fault, in bytes of the text.
@@ -80,7 +75,6 @@ impl Complaint {
         Self { span: span.borrow().clone(), message: message.into(), help: None }
     }
 
-    /// The same with what to do.
     #[must_use]
     pub fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }

@@ -5,12 +5,10 @@ use aurt_rbd::robots::DescribedRobot;
 use aurt_rbd::{JointKind, MdhTable, RbdError, RobotDescription, SerialChain};
 use aurt_traits::{Branch, RigidBodyRegressor};
 
-/// Where the geometry of an experiment's robot is from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// `mdh`: a table of modified Denavit–Hartenberg parameters.
     Mdh {
-        /// The table's file.
         path: PathBuf,
         /// What that file holds, read as `mdh_rows` says (`"next"`, the default, or `"previous"`).
         table: MdhTable,

@@ -7,15 +7,22 @@ use aurt_traits::ArmTerm;
 
 use super::errors::Complaint;
 
-/// A check that waits for the number of joints.
 #[derive(Debug)]
 pub(super) enum JointCheck {
-    /// A list that has one entry per joint.
-    Length { key: String, found: usize, span: Span },
-    /// A joint's number.
-    Joint { joint: usize, span: Span },
+    Length {
+        key: String,
+        found: usize,
+        span: Span,
+    },
+    Joint {
+        joint: usize,
+        span: Span,
+    },
     /// An arm term that must fit the robot.
-    ArmTerm { term: Box<dyn ArmTerm>, table: Node },
+    ArmTerm {
+        term: Box<dyn ArmTerm>,
+        table: Node,
+    },
 }
 
 impl JointCheck {

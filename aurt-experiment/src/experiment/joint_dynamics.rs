@@ -27,11 +27,8 @@ pub struct JointDynamics {
 pub struct JointOverride {
     /// `joints`, from 0.
     pub joints: Vec<usize>,
-    /// `coulomb`, if other.
     pub coulomb: Option<Box<dyn CoulombModel>>,
-    /// `hysteresis`, if other.
     pub hysteresis: Option<Box<dyn HysteresisModel>>,
-    /// `viscous`, if other.
     pub viscous: Option<Box<dyn ViscousBasis>>,
 }
 

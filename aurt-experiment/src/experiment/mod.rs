@@ -53,24 +53,18 @@ pub const SCHEMA: i64 = 1;
 #[derive(Debug, Clone)]
 pub struct Experiment {
     pub path: PathBuf,
-    /// The text of that file, as it was written.
     pub source_text: String,
-    /// `[robot]`.
     pub robot: Robot,
-    /// `[joint_dynamics]`.
     pub joint_dynamics: JointDynamics,
     /// `[[arm_terms]]`, in the order of writing.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
     /// `recordings` of each arm term: the files in which it acts, as `[recordings]` writes them; all unless given
     /// (a payload that only some recordings carry).
     pub arm_term_recordings: Vec<Option<Vec<String>>>,
-    /// `[instrument]`.
     pub instrument: Instrument,
-    /// `[recordings]`.
     pub recordings: Recordings,
     /// `[preprocess]`, without what `[instrument]` says.
     pub preprocess: PreprocessOptions,
-    /// `[calibration]`.
     pub calibration: Calibration,
     /// `[drive]`: what is between the robot's commands and its torques, where those are not recorded.
     pub drive: Option<Drive>,

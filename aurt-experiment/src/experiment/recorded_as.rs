@@ -52,7 +52,6 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
     }
 }
 
-/// One number for all joints, or one for each.
 fn per_joint(section: &mut Section<'_, '_>, key: &'static str) -> Option<Vec<f64>> {
     let node = section.take(key)?;
     let values = if matches!(node.kind, NodeKind::Array(_)) {

@@ -11,7 +11,6 @@ use super::{
     section::{Reader, Section},
 };
 
-/// `[recordings]`: what was recorded, by what it is for.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recordings {
     /// `calibration`: what the model is fitted to; at least one.
@@ -20,16 +19,13 @@ pub struct Recordings {
     pub validation: Vec<RecordingSource>,
     /// `target`: whose mismatch with the model is to be explained.
     pub target: Vec<RecordingSource>,
-    /// `simulated`: made by a simulation.
     pub simulated: Vec<RecordingSource>,
 }
 
 /// A recording: a file name, or a table with `file` and what has to be said about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingSource {
-    /// `file`.
     pub file: PathBuf,
-    /// The file as the experiment writes it, for reports.
     pub written: String,
     /// `window_s`: the part to be used, in s since the recording's first stamp.
     pub window_s: Option<[f64; 2]>,
@@ -87,7 +83,6 @@ fn columns_key(table: &mut Section<'_, '_>, has_clock: bool) -> Option<Option<Re
     }
 }
 
-/// One recording or a list of them.
 fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &General) -> Vec<RecordingSource> {
     let items = match &node.kind {
         NodeKind::Array(items) => items.as_slice(),

@@ -24,12 +24,10 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Number of joints N.
     pub fn joints(&self) -> usize {
         self.geometry.joints()
     }
 
-    /// The rigid bodies, with the names of their joints.
     pub fn rigid_body(&self) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
         match &self.geometry {
             Geometry::Mdh { table, .. } => {

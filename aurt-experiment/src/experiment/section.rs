@@ -151,7 +151,6 @@ impl<'n, 'r> Section<'n, 'r> {
         None
     }
 
-    /// A list of finite numbers.
     pub(super) fn numbers_of(&self, key: &str, node: &Node) -> Option<Vec<f64>> {
         let NodeKind::Array(items) = &node.kind else {
             self.expected(key, node, "a list of numbers");
@@ -162,7 +161,6 @@ impl<'n, 'r> Section<'n, 'r> {
         numbers.into_iter().collect()
     }
 
-    /// A list of exactly `N` finite numbers.
     pub(super) fn numbers_exactly<const N: usize>(
         &self,
         key: &str,
@@ -253,7 +251,6 @@ impl<'n, 'r> Section<'n, 'r> {
         )
     }
 
-    /// A file, or a folder that is `accepted`.
     fn path_of(
         &self,
         key: &str,

@@ -4,7 +4,6 @@ use aurt_calibration::two_sided;
 
 use crate::sweep::result::JointErrors;
 
-/// Fewer blocks than this say nothing.
 const FEWEST_BLOCKS: usize = 8;
 
 /// Probability that one point does better than another, block of time by block of time, as consistently as it does if

@@ -8,7 +8,6 @@ use crate::sweep::place::Place;
 /// Length of the blocks of time over which errors are summed, unless given.
 const BLOCK_S: f64 = 1.0;
 
-/// What `[sweep]` says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Definition {
     /// Axes whose values are combined, each with each; the later ones change faster.
@@ -20,7 +19,6 @@ pub struct Definition {
     pub reference: Option<(String, Span)>,
 }
 
-/// On what a point is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Validate {
@@ -31,7 +29,6 @@ pub enum Validate {
     LeaveOneOut,
 }
 
-/// Alternatives of which a point has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     pub steps: Vec<Step>,

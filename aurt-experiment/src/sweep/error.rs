@@ -39,7 +39,6 @@ pub enum SweepError {
     Locked { path: PathBuf },
     #[error("{}: there is no point {index}; the plan has points 1 to {points}", path.display())]
     NoPoint { path: PathBuf, index: usize, points: usize },
-    /// What a point depends on is no longer what it was when the sweep was planned.
     #[error(
         "{}: point {index} is no longer what was planned: the experiment, a recording, a library or the program \
          has changed since; plan again with `aurt sweep plan`",

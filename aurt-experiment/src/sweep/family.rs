@@ -13,7 +13,6 @@ const FREE_SECTIONS: [&str; 3] = ["joint_dynamics", "arm_terms", "plugins"];
 /// The same within `[calibration]`; `rest` chooses rows.
 const FREE_KEYS: [&str; 3] = ["estimator", "load_torque", "fit_shapes"];
 
-/// What the points of a family have in common, as text.
 #[must_use]
 pub(crate) fn common_part(text: &str) -> String {
     let Ok(mut document) = toml::from_str::<Table>(text) else { return text.to_owned() };
@@ -31,7 +30,6 @@ pub(crate) fn common_part(text: &str) -> String {
     document.to_string()
 }
 
-/// Rows that a family shares, ready for its points.
 pub(crate) struct SharedRows<'r> {
     /// The fits: the rows that each is fitted to, and the indices in `judged` of the recordings that it is judged on.
     pub folds: Vec<(FitRows<'r>, Vec<usize>)>,

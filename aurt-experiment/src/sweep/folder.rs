@@ -36,7 +36,6 @@ const EXPERIMENT: &str = "experiment.toml";
 const RESULTS: &str = "results";
 const POINTS: &str = "points";
 
-/// A sweep's folder.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -152,7 +151,6 @@ impl Folder {
         }
     }
 
-    /// The folder's path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -240,7 +238,6 @@ impl Folder {
         damaged.iter().map(|key| self.result_file(key)).collect()
     }
 
-    /// Keeps a result.
     pub fn keep(&self, result: &PointResult) -> Result<(), SweepError> {
         let path = self.result_file(&result.key);
         let bytes =

@@ -31,7 +31,6 @@ pub struct Digests {
 }
 
 impl Digests {
-    /// The digest of a file's contents.
     pub fn of(&self, path: &Path) -> Result<[u8; 32], SweepError> {
         let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(digest) = known.get(path) {

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::sweep::result::{Outcome, PointResult, SCHEMA};
 
-/// A result as its file has it.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Kept {
@@ -29,7 +28,6 @@ fn checksum(key: &str, outcome: &Outcome) -> serde_json::Result<String> {
     Ok(blake3::hash(&text).to_hex().as_str()[..40].to_owned())
 }
 
-/// The contents of the file.
 pub fn to_bytes(result: &PointResult) -> serde_json::Result<Vec<u8>> {
     let checksum = checksum(&result.key, &result.outcome)?;
     let PointResult { schema, key, outcome } = result.clone();

@@ -19,7 +19,6 @@ pub struct Data {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     pub calibration: CalibrationOptions,
-    /// Settings of the search for shapes.
     pub shapes: ShapeOptions,
     /// The rows of a held-out recording that count.
     pub rows: ValidatedRows,

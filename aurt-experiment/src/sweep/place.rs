@@ -8,7 +8,6 @@ use toml::{Table, Value};
 pub struct Place(Vec<String>);
 
 impl Place {
-    /// The place that a dotted key names.
     pub fn new(key: &str) -> Self {
         Self(key.split('.').map(|part| part.trim().to_owned()).collect())
     }
@@ -112,7 +111,6 @@ const fn kind(value: &Value) -> &'static str {
     }
 }
 
-/// A written value as TOML.
 pub fn to_toml(node: &Node) -> Value {
     match &node.kind {
         NodeKind::Null => Value::String("null".into()),

@@ -13,18 +13,15 @@ use crate::sweep::{
     identity::{Digests, key},
 };
 
-/// Version of the file.
 pub const SCHEMA: u32 = 1;
 
 /// `sweep.json`: the points of a sweep and the keys of their results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Version of the format.
     pub schema: u32,
     /// The experiment's file; a folder belongs to one.
     pub experiment: PathBuf,
-    /// On what points are judged.
     pub validate: Validate,
     /// Length of the blocks of time over which errors are summed, s.
     pub block_s: f64,
@@ -33,7 +30,6 @@ pub struct Plan {
     /// Names of the joints; empty where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
-    /// The points, in order.
     pub points: Vec<PlannedPoint>,
 }
 

@@ -16,24 +16,18 @@ use crate::sweep::{
 /// A sweep: an experiment and the points that its `[sweep]` makes of it.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The experiment's file.
     pub path: PathBuf,
     pub text: String,
-    /// What `[sweep]` says.
     pub definition: Definition,
-    /// The points, in order.
     pub points: Vec<Point>,
-    /// Index of the point that others are compared with.
     pub reference: usize,
 }
 
-/// One resolved experiment.
 #[derive(Debug, Clone)]
 pub struct Point {
     pub name: String,
     /// Its experiment as TOML, without `[sweep]` and with absolute paths.
     pub text: String,
-    /// The same, read.
     pub experiment: Experiment,
 }
 

@@ -23,7 +23,6 @@ pub struct Ranking {
     /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
-    /// The point that others are compared with.
     pub reference: Option<String>,
     /// What could be judged, best first.
     pub ranked: Vec<Ranked>,
@@ -49,11 +48,9 @@ pub struct Ranked {
     pub tied_with_best: bool,
     /// Its errors, joint after joint.
     pub joints: Vec<JointRank>,
-    /// Warnings of its fits, each once.
     pub warnings: Vec<String>,
 }
 
-/// A point's errors on one joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointRank {
     /// Mean squared error, unit of the measurement squared.
@@ -87,7 +84,6 @@ struct Entry<'p> {
 }
 
 impl Ranking {
-    /// Ranks what a folder holds.
     pub fn of(folder: &Folder, plan: &Plan, rows: Rows) -> Self {
         let (mut entries, mut failed, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for (k, point) in plan.points.iter().enumerate() {
@@ -187,7 +183,6 @@ fn ranked(mut entries: Vec<Entry<'_>>, reference: &[JointErrors], unit: Measurem
 }
 
 impl Ranking {
-    /// Headings of columns with a value for each joint.
     pub fn joint_headings(&self) -> impl Iterator<Item = String> + '_ {
         let joints = self.ranked.first().map_or(0, |r| r.joints.len());
         (0..joints).map(|joint| RobotNames::of_joints(&self.joint_names).joint(joint))
@@ -237,7 +232,6 @@ impl Ranking {
     }
 }
 
-/// A text as a cell.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "))

@@ -4,7 +4,6 @@ use aurt_calibration::{CalibratedParameter, ShapeReport};
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-/// Version of the file.
 pub const SCHEMA: u32 = 2;
 
 /// What became of a point. Results are kept under a hash of all that they depend on, and hold nothing else: no times,
@@ -12,13 +11,11 @@ pub const SCHEMA: u32 = 2;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointResult {
-    /// Version of the format.
     pub schema: u32,
     pub key: String,
     pub outcome: Outcome,
 }
 
-/// What came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -62,7 +59,6 @@ pub struct Judged {
     pub recording: String,
     /// Over all rows while the robot is in motion, joint after joint.
     pub all: Vec<JointErrors>,
-    /// Over the rows at which the joint moves.
     pub moving: Vec<JointErrors>,
 }
 
@@ -75,7 +71,6 @@ pub struct JointErrors {
     pub squared_error: f64,
     /// Σ y².
     pub squared_measurement: f64,
-    /// Σ |y|.
     pub absolute_measurement: f64,
     pub block_rows: Vec<usize>,
     /// Σ (y − ŷ)² of each block.
@@ -88,12 +83,10 @@ pub enum Rows {
     /// All while the robot is in motion.
     #[default]
     All,
-    /// Those at which the joint moves.
     Moving,
 }
 
 impl JointErrors {
-    /// Takes in a row of a block.
     pub(crate) fn add(&mut self, block: usize, measured: f64, predicted: f64) {
         let squared = (measured - predicted).powi(2);
         self.rows += 1;

@@ -28,17 +28,19 @@ use crate::sweep::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
     /// How many points are to be run and how many results are there already.
-    Begin { missing: usize, present: usize },
-    /// A point has its result.
-    Done { judged: bool },
+    Begin {
+        missing: usize,
+        present: usize,
+    },
+    Done {
+        judged: bool,
+    },
 }
 
-/// What a run did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Summary {
     /// Points whose result was there already.
     pub present: usize,
-    /// Points that were run now.
     pub run: usize,
     /// Of all points, those that could not be judged.
     pub failed: usize,

@@ -12,13 +12,11 @@ use crate::sweep::{Folder, SweepError};
 /// Largest element of an array that Slurm takes unless `MaxArraySize` allows more.
 const LARGEST_ELEMENT: usize = 1000;
 
-/// Job arrays.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Submission {
     /// Slurm's numbers of the arrays: one for each thousand points of the plan.
     pub jobs: Vec<String>,
     pub points: Vec<usize>,
-    /// Where the jobs' output goes.
     pub output: PathBuf,
 }
 
@@ -72,7 +70,6 @@ pub fn submit(
     Ok(Submission { jobs, points: points.to_vec(), output })
 }
 
-/// Which thousand a point belongs to.
 const fn block_of(point: usize) -> usize {
     point.saturating_sub(1) / LARGEST_ELEMENT
 }

@@ -80,7 +80,6 @@ impl GivenModel {
     }
 }
 
-/// The chain of a description file.
 fn chain(
     path: &Path,
     ends: ChainEnds<'_>,

@@ -29,7 +29,6 @@ use crate::workbench::{
     simulated,
 };
 
-/// How an experiment is diagnosed.
 #[derive(Debug, Clone, Default)]
 pub struct DiagnosisOptions {
     /// A calibrated model to be taken as given, instead of fitting the experiment's structure anew.
@@ -51,11 +50,9 @@ pub struct DiagnosisOptions {
 /// Rows of all recordings together that a diagnosis looks at; of longer recordings it takes stretches.
 pub const MOST_ROWS: usize = 400_000;
 
-/// What a diagnosis of an experiment found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     pub verdict: Verdict,
-    /// The same as `verdict.json` has it.
     pub document: Value,
     pub asked: Asked,
     pub unit: MeasurementUnit,
@@ -68,7 +65,6 @@ pub struct Diagnosis {
     pub series: Vec<DiagnosedSeries>,
 }
 
-/// The model that has what a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Improved {
     pub experiment_toml: String,
@@ -95,7 +91,6 @@ impl Diagnosis {
     }
 }
 
-/// Diagnoses an experiment.
 pub fn diagnose_experiment(
     experiment: &Experiment,
     registry: &mut Registry,
@@ -108,7 +103,6 @@ pub fn diagnose_experiment(
     })
 }
 
-/// The question that an experiment asks.
 pub(super) fn diagnoser(
     experiment: &Experiment,
     registry: &Registry,
@@ -364,7 +358,6 @@ fn leave_out_repeated(improvement: &mut Improvement, fitted: &CalibratedModel) -
     terms.len() < before
 }
 
-/// Runs the improved experiment and gives its calibrated model.
 fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
     let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
     Ok(fit_experiment(&experiment, &Progress::silent())?.calibrated)
@@ -400,7 +393,6 @@ impl Moved {
         file.canonicalize().unwrap_or(file)
     }
 
-    /// As the results' folder writes it.
     fn seen_from_results(&self, written: &Path) -> PathBuf {
         from_folder(&self.to, &self.file(written))
     }

@@ -28,7 +28,6 @@ pub fn instrument(experiment: &Experiment) -> Instrument {
     }
 }
 
-/// A recording as an experiment asks for it.
 pub fn source(source: &RecordingSource) -> Source {
     Source {
         file: source.file.clone(),
@@ -92,7 +91,6 @@ fn constants_difference(calibrated: &CalibratedModel, experiment: &Experiment) -
     }
 }
 
-/// What an experiment asks to be fitted.
 pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
     Ok(Job {
         model: experiment.robot_model()?,

@@ -27,7 +27,6 @@ use crate::workbench::{
 };
 use aurt::CalibratedModel;
 
-/// What a model is exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
     /// A C99 header and source.
@@ -52,11 +51,9 @@ pub struct ModelFile {
     blake3: String,
 }
 
-/// The name of a model that was not read from a file.
 const OWN_NAME: &str = "rd_calibrated.json";
 
 impl ModelFile {
-    /// Reads a file.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
         let (document, text) = read_json(path)?;
         Self::from_document(path, document, &text, registry)
@@ -85,7 +82,6 @@ fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
-/// Files of a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
     pub files: Vec<(String, Vec<u8>)>,
@@ -163,16 +159,13 @@ impl Exported {
     }
 }
 
-/// Files that an export may replace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replaced {
     /// Text files of earlier exports.
     Exports,
-    /// All but inputs.
     Any,
 }
 
-/// Whether a file begins as exports do.
 fn is_export(path: &Path) -> bool {
     let mut beginning = Vec::new();
     // Whatever is no regular file, or is not read, is not ours; it is no input that has to survive.
@@ -188,7 +181,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
 }
 
 impl Target {
-    /// Its name, as the command takes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -274,7 +266,6 @@ pub fn correct(
     })
 }
 
-/// Gives `make` the model as exports need it.
 fn with_source(
     ModelFile { calibrated, path, document, blake3 }: &ModelFile,
     name: &str,
@@ -311,7 +302,6 @@ fn with_source(
     make(&source, calibrated)
 }
 
-/// States and what the model predicts there.
 fn checks(calibrated: &CalibratedModel) -> Result<Vec<Check>, Failure> {
     let joints = calibrated.model.joints();
     let remembers = calibrated.model.stacks().iter().any(|stack| {

@@ -16,7 +16,6 @@ use aurt_simulation::SimulationError;
 use aurt_traits::ModelError;
 use thiserror::Error;
 
-/// Why a command failed.
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Failure {
@@ -61,12 +60,7 @@ pub enum Failure {
     NotFinite { path: PathBuf, line: usize },
     /// Something needs whole recordings, but they are read in stretches.
     #[error("{reason}; {remedy}")]
-    Stretches {
-        /// The recording, if it is one.
-        path: Option<PathBuf>,
-        reason: String,
-        remedy: String,
-    },
+    Stretches { path: Option<PathBuf>, reason: String, remedy: String },
     #[error(transparent)]
     Sweep(Box<SweepError>),
     #[error("{option}: {reason}; {remedy}")]
@@ -113,7 +107,6 @@ impl Failure {
         if is_value { self.in_file(path) } else { self }
     }
 
-    /// The same, said of the file that asks for it.
     pub fn in_file(self, path: &Path) -> Self {
         let names_its_file = |error: &SimulationError| {
             matches!(error, SimulationError::Syntax { .. } | SimulationError::Io { .. })
@@ -144,7 +137,6 @@ impl From<SweepError> for Failure {
     }
 }
 
-/// Errors that the library collects.
 macro_rules! of_library {
     ($($error:ty),+ $(,)?) => {$(
         impl From<$error> for Failure {

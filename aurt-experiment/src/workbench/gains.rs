@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use crate::workbench::{experiments, failure::Failure};
 
-/// What is to be known of the gains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     Estimate,

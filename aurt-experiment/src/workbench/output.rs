@@ -16,7 +16,6 @@ use aurt_report::Page;
 
 use crate::workbench::failure::Failure;
 
-/// Claims a place for a command.
 fn claim(
     option: &'static str,
     path: &Path,
@@ -37,7 +36,6 @@ fn claim(
 #[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
-    /// None for devices.
     _claim: Option<Claim>,
 }
 

@@ -13,7 +13,6 @@ const FOLDERS: [&str; 3] = ["data", "meta", "videos"];
 /// Folders within these that are looked into, one in another.
 const DEEPEST: usize = 3;
 
-/// Destination of a planned motion.
 #[derive(Debug, Clone)]
 pub enum PlannedOutput {
     /// A file, whose ending tells the format.

@@ -132,7 +132,6 @@ fn sines(calibrated: &CalibratedModel) -> Vec<Sine> {
     speeds.map(|speed| [speed, SLOWEST + (FASTEST - SLOWEST) * random.unit(), TAU * random.unit()]).collect()
 }
 
-/// The motion of joints in an order.
 fn motion(sines: &[Sine], order: &[usize]) -> Result<Motion, Failure> {
     let samples = (DURATION_S / STEP_S) as usize;
     let time_s: Vec<f64> = (0..samples).map(|k| STEP_S * k as f64).collect();

@@ -50,7 +50,6 @@ impl Bytes {
         Self(files.into_iter().map(|f| std::fs::metadata(f).map_or(0, |m| m.len())).sum())
     }
 
-    /// A round number above this.
     fn rounded_up(self) -> Self {
         let unit = Self::UNITS.iter().find(|(_, unit)| self.0 >= *unit).map_or(1, |(_, unit)| *unit);
         Self((self.0 / unit + 1) * unit)

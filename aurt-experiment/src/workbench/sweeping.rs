@@ -12,7 +12,6 @@ use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
 
 use crate::workbench::experiments::{calibration_options, instrument, source};
 
-/// Reads what experiments name.
 #[derive(Debug, Clone, Copy)]
 pub struct ExperimentLoader;
 

@@ -15,7 +15,6 @@ pub struct TableFile {
     remedy: &'static str,
     /// Line of the header, from 1.
     pub header_line: usize,
-    /// Names of the columns, in their order.
     pub names: Vec<String>,
 }
 
@@ -74,7 +73,6 @@ impl TableFile {
         }
     }
 
-    /// The rows, one after the other.
     pub fn rows(&self) -> impl Iterator<Item = Result<Row<'_>, Failure>> {
         lines(&self.text).skip(1).map(|(line, text)| {
             let cells = self.cells(text);

@@ -31,7 +31,6 @@ estimator = "wls"
 x = 2024-01-01
 "#;
 
-/// A folder with the files that the text names.
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<TempDir> = OnceLock::new();
     FOLDER
@@ -48,7 +47,6 @@ fn parse(text: &str) -> Result<Experiment, Box<aurt_experiment::ExperimentErrors
     Experiment::parse(text, &folder().join("e.toml"), &mut Registry::linked().unwrap())
 }
 
-/// All values inside a value, itself included.
 fn inside(value: &Value, pointer: String, found: &mut Vec<String>) {
     match value {
         Value::Array(items) => {

@@ -11,7 +11,6 @@ use crate::{
     program::{Tunable, literal},
 };
 
-/// What a variable is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Time,

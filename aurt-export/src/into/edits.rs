@@ -71,7 +71,6 @@ impl Edits {
     }
 }
 
-/// The name of an element, with its prefix.
 fn name<'t>(text: &'t str, node: Node<'_, '_>) -> &'t str {
     let behind = &text[node.range().start + 1..];
     let end = behind.find(|c: char| c.is_whitespace() || c == '/' || c == '>');

@@ -36,7 +36,6 @@ pub struct Actuator {
 /// A name with the number that it has in an actuator.
 type Setting = (&'static str, fn(&Actuator) -> Option<f64>);
 
-/// The settings as Isaac Lab calls them.
 const SETTINGS: [Setting; 7] = [
     ("stiffness", |a| Some(a.stiffness)),
     ("damping", |a| Some(a.damping)),

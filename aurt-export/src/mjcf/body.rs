@@ -97,7 +97,6 @@ pub(super) fn tree(
     Ok(text)
 }
 
-/// Ends the bodies of these depths, the deepest first.
 fn end_bodies(text: &mut String, depths: std::ops::Range<usize>) {
     for depth in depths.rev() {
         let _ = writeln!(text, "{}</body>", "  ".repeat(depth + 2));

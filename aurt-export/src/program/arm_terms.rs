@@ -18,11 +18,9 @@ pub(crate) struct Coordinates {
     pub acceleration: Value,
 }
 
-/// The arm terms that can be written.
 const KNOWN: &str = "coulomb_asymmetric, coupling, current_offset, joint_friction, lugre_damped, payload, rotor_inertia, \
                      spring, temperature, viscous_asymmetric";
 
-/// What a term is written with at one of its joints.
 pub(crate) struct Writer<'a> {
     pub tape: &'a mut Tape,
     pub memory: &'a mut Memory,
@@ -30,7 +28,6 @@ pub(crate) struct Writer<'a> {
     pub joints: usize,
 }
 
-/// Where a term acts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Joint {
     pub number: usize,
@@ -152,7 +149,6 @@ pub(crate) fn couple(
     Ok(())
 }
 
-/// The stack that the term `joint_friction` is made of.
 fn inner_stack(term: &dyn ArmTerm) -> Result<JointStack, ExportError> {
     let mut copy = term.boxed_clone();
     let stack = copy.inner_models().map(|inner| {

@@ -4,7 +4,6 @@ use serde_json::Value as Json;
 
 use crate::ExportError;
 
-/// A key of a model's description.
 pub(crate) fn number(description: &Json, key: &str, place: &str) -> Result<f64, ExportError> {
     description.get(key).and_then(Json::as_f64).ok_or_else(|| ExportError::Model {
         place: place.to_owned(),
@@ -22,7 +21,6 @@ pub(crate) fn described(
     description.map_err(|source| ExportError::Description { place, source })
 }
 
-/// The refusal of a model.
 pub(crate) fn unknown(place: String, name: &str, state: usize, known: &str) -> ExportError {
     let reason = if state > 0 {
         "it has memory of its own kind, which this export does not know"

@@ -10,7 +10,6 @@ use super::{
 };
 use crate::ExportError;
 
-/// What friction of a joint depends on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct At {
     pub velocity: Value,
@@ -105,7 +104,6 @@ pub(crate) fn decay(
     Ok(tape.call(Function::Exp, &[minus]))
 }
 
-/// The columns of H.
 fn hysteresis(
     tape: &mut Tape,
     memory: &mut Memory,

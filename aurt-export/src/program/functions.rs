@@ -34,7 +34,6 @@ pub(crate) struct Function {
     pub operations: Operations,
 }
 
-/// What a function does.
 #[derive(Debug, Clone)]
 pub(crate) enum Body {
     /// A line of operations with its results.
@@ -54,7 +53,6 @@ impl Function {
 
 const MOTION: &[&str] = &["q", "qd", "qdd"];
 
-/// The functions of a model and what it remembers.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
     pub functions: Vec<Function>,
@@ -277,7 +275,6 @@ fn motion_function(
     Ok(function(name, summary, MOTION, "tau", parts.tape, results))
 }
 
-/// Standard parameters of the bodies as constants.
 fn constant_bodies(source: &Source<'_>) -> Result<Vec<Value>, ExportError> {
     Ok(source.bodies(|k| source.coefficients[k])?.into_iter().map(Value::Constant).collect())
 }

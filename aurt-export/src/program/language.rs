@@ -1,6 +1,5 @@
 //! What C and Rust write differently of a line of operations.
 
-/// A language that programs are printed in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Language {
     C,

@@ -49,7 +49,6 @@ struct Element {
     column: usize,
 }
 
-/// All friction with memory of a model.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Memory {
     elements: Vec<Element>,

@@ -86,7 +86,6 @@ impl std::fmt::Display for Operations {
     }
 }
 
-/// A program in the making.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tape {
     operations: Vec<Operation>,

@@ -10,7 +10,6 @@ use crate::{
     program::{Check, TOLERANCE, list, literal, tables},
 };
 
-/// Writes the test.
 pub(super) fn program(
     source: &Source<'_>,
     chain: &SerialChain,

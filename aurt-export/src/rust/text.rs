@@ -15,7 +15,6 @@ pub(super) fn comment(mark: &str, lines: &[String]) -> String {
     lines.iter().map(|line| format!("{mark} {}", for_comment(line)).trim_end().to_owned() + "\n").collect()
 }
 
-/// `Cargo.toml`.
 pub(super) fn manifest(source: &Source<'_>) -> String {
     let provenance = comment("#", &source.provenance.lines());
     MANIFEST.replace("@NAME@", source.name).replace("@PROVENANCE@\n", &provenance)

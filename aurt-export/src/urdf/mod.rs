@@ -87,7 +87,6 @@ pub(crate) fn rotors_lost(joints: &[JointDynamics]) -> Vec<String> {
         .collect()
 }
 
-/// Springs, which URDF has no element for.
 pub(crate) fn springs_lost(joints: &[JointDynamics]) -> Vec<String> {
     let springs = joints.iter().enumerate().filter(|(_, joint)| joint.stiffness != 0.0);
     springs

@@ -134,16 +134,21 @@ fn a_corrected_file_has_the_bodies_of_the_model_and_is_else_the_same() {
     assert!(worst(&read(&again.text).standard_parameters.unwrap(), &case.standard) < 1e-13);
 }
 
+/// The file has the bodies of the model.
+fn assert_has_bodies(text: &str, case: &Case) {
+    let found = read(text).standard_parameters.unwrap();
+    let apart = found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    assert!(apart < 1e-13, "{apart:e}");
+    in_mujoco(text, case);
+}
+
 #[test]
 fn what_a_tool_weighs_too_much_goes_to_the_body_of_the_joint() {
     let heavy = OWN.replace("mass=\"0.2\"", "mass=\"20\"");
     let case = light_case(&heavy);
     let Corrected { text, changed, .. } = corrected(&heavy, &case).unwrap();
     assert!(changed.contains(&"body tool: without mass, which is in body wrist".to_owned()), "{changed:#?}");
-    let found = read(&text).standard_parameters.unwrap();
-    let apart = found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
-    assert!(apart < 1e-13, "{apart:e}");
-    in_mujoco(&text, &case);
+    assert_has_bodies(&text, &case);
 
     let error = corrected(&OWN.replace("mass=\"0.05\"", "mass=\"50\""), &light_case(OWN)).unwrap_err();
     assert!(
@@ -161,10 +166,7 @@ fn a_tool_of_shapes_that_weighs_too_much_gets_an_inertial() {
     let Corrected { text, .. } = corrected(&heavy, &case).unwrap();
     let added = "<inertial pos=\"0.0 0.0 0.0\" mass=\"0.0\" diaginertia=\"0.0 0.0 0.0\"/>";
     assert!(text.contains(added), "{text}");
-    let found = read(&text).standard_parameters.unwrap();
-    let apart = found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
-    assert!(apart < 1e-13, "{apart:e}");
-    in_mujoco(&text, &case);
+    assert_has_bodies(&text, &case);
 }
 
 #[test]

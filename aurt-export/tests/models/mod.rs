@@ -125,7 +125,6 @@ fn stack(joint: usize) -> JointStack {
     made.unwrap()
 }
 
-/// Friction with memory of every kind.
 fn stack_with_memory(joint: usize) -> JointStack {
     let polynomial = || Box::new(Polynomial { powers: vec![1] });
     let made = match joint {

@@ -25,9 +25,7 @@ use crate::output::{
     target::{folder_of, meant},
 };
 
-/// What names of claims end with.
 const PART: &str = ".part";
-/// The file in a claim that its process locks.
 const LOCK: &str = "lock";
 /// Bytes of a name that a claim takes over; names of files have 255 at most.
 const MOST_NAME_BYTES: usize = 200;
@@ -97,7 +95,6 @@ impl Claim {
         claimed().map_err(WriteError::at(path))
     }
 
-    /// Claims a place of its own in a folder.
     pub(crate) fn own(parent: &Path) -> io::Result<Self> {
         let parent = fs::canonicalize(parent)?;
         loop {
@@ -113,7 +110,6 @@ impl Claim {
         }
     }
 
-    /// A name in the claim that nothing has.
     pub(crate) fn fresh(&self) -> PathBuf {
         self.0.folder.join(fresh_name())
     }
@@ -134,7 +130,6 @@ impl Drop for Held {
     }
 }
 
-/// Whether a claim that is not there is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Missing {
     Make,
@@ -145,7 +140,6 @@ fn fresh_name() -> OsString {
     format!("{}-{}", process::id(), NEXT.fetch_add(1, Ordering::Relaxed)).into()
 }
 
-/// The name of a claim on something of that name.
 fn named(name: &OsStr) -> OsString {
     let bytes = name.as_encoded_bytes();
     let mut claim = OsString::from(STAGED);
@@ -267,13 +261,11 @@ fn is_own(folder: &Path) -> io::Result<bool> {
     Ok(found.is_dir() && is_private && found.uid() == rustix::process::geteuid().as_raw())
 }
 
-/// Whether a path is a folder, no link to one.
 #[cfg(not(unix))]
 fn is_own(folder: &Path) -> io::Result<bool> {
     Ok(folder.symlink_metadata()?.is_dir())
 }
 
-/// Whether a path is that of an open file.
 #[cfg(unix)]
 fn is_still(path: &Path, file: &File) -> bool {
     use std::os::unix::fs::MetadataExt;

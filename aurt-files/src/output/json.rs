@@ -6,7 +6,6 @@ use serde_json::Value;
 
 /// Columns a line may take.
 const WIDTH: usize = 100;
-/// Columns by which each level is indented.
 const INDENT: usize = 2;
 
 /// `value` as text with a newline at its end.
@@ -59,7 +58,6 @@ fn write(out: &mut String, value: &Value, depth: usize, used: usize) {
     }
 }
 
-/// Numbers, as many to a line as fit.
 fn fill(out: &mut String, numbers: &[Value], pad: &str) {
     let mut column = WIDTH;
     for (i, number) in numbers.iter().enumerate() {
@@ -80,7 +78,6 @@ fn fill(out: &mut String, numbers: &[Value], pad: &str) {
     }
 }
 
-/// `value` on one line.
 fn spaced(value: &Value) -> String {
     match value {
         Value::Array(items) => {

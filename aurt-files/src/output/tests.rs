@@ -2,7 +2,6 @@ use std::{collections::BTreeMap, fs, path::Path};
 
 use super::*;
 
-/// Everything in a folder, by name, with its contents.
 fn contents(folder: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
     entries

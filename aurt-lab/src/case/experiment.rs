@@ -12,7 +12,6 @@ pub(super) fn file_name(slot: usize) -> String {
     format!("recording_{}.csv", slot + 1)
 }
 
-/// The text of `experiment.toml`.
 pub(super) fn text(robot: &Robot, structure: &Structure, slots: &[Slot], f_dyn_hz: f64) -> String {
     let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", ");
     let mut lines = vec![

@@ -10,19 +10,14 @@ use aurt_simulation::{
 #[serde(rename_all = "snake_case")]
 pub enum Role {
     Calibration,
-    /// Its mismatch is to be explained.
     Target,
-    /// Held out.
     Validation,
 }
 
-/// Length and rate of the recordings of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecordingSettings {
-    /// Duration of each recording, s.
     pub duration_s: f64,
-    /// Rows per second.
     pub rate_hz: f64,
 }
 
@@ -32,7 +27,6 @@ impl Default for RecordingSettings {
     }
 }
 
-/// One recording of a case before it is made.
 #[derive(Debug, Clone)]
 pub(super) struct Slot {
     pub role: Role,

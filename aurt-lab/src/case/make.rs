@@ -324,7 +324,6 @@ fn floors(
         .collect()
 }
 
-/// What a request's effects make of it.
 pub(super) fn case_type(effects: &[&EffectKind]) -> CaseType {
     let known = |kind: &&EffectKind| catalogue().iter().any(|k| k.identifier == kind.identifier);
     match effects {

@@ -33,16 +33,12 @@ use aurt_simulation::{
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plan {
-    /// Length and rate of the recordings.
     pub recordings: RecordingSettings,
-    /// Cases of one effect of the vocabulary.
     pub singles: Option<SinglePlan>,
-    /// Cases of an effect outside the vocabulary.
     #[serde(alias = "strangers")]
     pub unknown_effects: Option<SinglePlan>,
     /// Cases of two effects of the vocabulary.
     pub pairs: Option<PairPlan>,
-    /// Cases of no effect.
     pub nulls: Option<NullPlan>,
 }
 
@@ -55,7 +51,6 @@ pub struct SinglePlan {
     /// Identifiers; empty for all.
     pub effects: Vec<String>,
     pub strengths: Vec<Strength>,
-    /// Cases per effect and strength.
     pub trials: usize,
 }
 
@@ -65,7 +60,6 @@ impl Default for SinglePlan {
     }
 }
 
-/// Pairs drawn at random.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairPlan {
@@ -74,7 +68,6 @@ pub struct PairPlan {
     /// Identifiers that may be paired; empty for all.
     pub effects: Vec<String>,
     pub strength: Strength,
-    /// Number of cases.
     pub count: usize,
 }
 
@@ -90,7 +83,6 @@ impl Default for PairPlan {
 pub struct NullPlan {
     /// Names of robots; empty for all with six or more joints.
     pub robots: Vec<String>,
-    /// Number of cases.
     pub count: usize,
 }
 

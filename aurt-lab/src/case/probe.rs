@@ -24,7 +24,6 @@ use aurt_simulation::{
 const CORRECTIONS: usize = 4;
 /// A ratio to the wanted strength within which it is met.
 const MET: f64 = 1.25;
-/// Logarithm of the largest correction at once.
 const LARGEST_CORRECTION: f64 = 2.5;
 
 /// The recordings of a case without any effect.

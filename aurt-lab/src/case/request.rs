@@ -10,13 +10,10 @@ use aurt_simulation::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CaseType {
-    /// Nothing is concealed.
     Null,
-    /// One effect of the vocabulary.
     Single,
     /// Two effects of the vocabulary.
     Pair,
-    /// An effect outside the vocabulary.
     #[serde(alias = "stranger")]
     UnknownEffect,
 }
@@ -24,7 +21,6 @@ pub enum CaseType {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseRequest {
-    /// The robot's name.
     pub robot: String,
     pub case_type: CaseType,
     pub effects: Vec<String>,
@@ -32,7 +28,6 @@ pub struct CaseRequest {
 }
 
 impl CaseRequest {
-    /// The kinds of the effects.
     pub fn kinds(&self) -> Result<Vec<&'static EffectKind>, SimulationError> {
         self.effects.iter().map(|name| kind(name)).collect()
     }

@@ -10,14 +10,11 @@ use aurt_simulation::{SimulationError, effects::Family, robots::Rotors};
 /// What is in a case; hidden from the diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
-    /// Name of the case's folder.
     pub case: String,
     #[serde(default)]
     pub world: World,
-    /// Seed from which the case can be made again.
     pub seed: u64,
     pub robot: String,
-    /// Where its rotors' inertia is.
     pub rotors: Rotors,
     pub case_type: CaseType,
     pub strength: Strength,
@@ -43,9 +40,7 @@ pub struct TrueEffect {
     pub joints: Vec<usize>,
     /// `calibration` if it is in all recordings, `target` if in the later ones alone.
     pub present_in: Vec<String>,
-    /// The recording that it is confined to.
     pub recording: Option<String>,
-    /// When it acts there, s.
     pub window_s: Option<[f64; 2]>,
     /// Parameters by canonical name, one value or one per joint.
     pub parameters: Vec<(String, Vec<f64>)>,
@@ -66,7 +61,6 @@ pub struct ValidationFloor {
 }
 
 impl Truth {
-    /// Reads a sealed truth.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         crate::json_file::read(path.as_ref())
     }

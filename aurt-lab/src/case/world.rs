@@ -23,7 +23,6 @@ impl World {
     /// All, in the order of tables.
     pub const ALL: [Self; 5] = [Self::Clean, Self::Rough, Self::Mujoco, Self::Injected, Self::Servo];
 
-    /// Its name in files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",

@@ -6,7 +6,6 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[serde(deny_unknown_fields)]
 pub struct AccelerationFriction {
     pub joint: usize,
-    /// Growth of the level per acceleration, Nm s²/rad.
     pub growth_nm_s2: f64,
 }
 

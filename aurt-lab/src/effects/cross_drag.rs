@@ -7,7 +7,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 pub struct CrossDrag {
     pub joint: usize,
     pub other: usize,
-    /// Drag, Nm s²/rad².
     pub drag_nm_s2: f64,
 }
 

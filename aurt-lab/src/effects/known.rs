@@ -27,7 +27,6 @@ pub const fn unknown_effects() -> &'static [EffectKind] {
     UNKNOWN
 }
 
-/// Effects of the vocabulary, then those outside of it.
 pub fn all_kinds() -> impl Iterator<Item = &'static EffectKind> + Clone {
     catalogue().iter().chain(UNKNOWN)
 }

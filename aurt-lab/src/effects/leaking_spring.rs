@@ -6,7 +6,6 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[serde(deny_unknown_fields)]
 pub struct LeakingSpring {
     pub joint: usize,
-    /// Stiffness at the start, Nm/rad.
     pub stiffness_nm_rad: f64,
     /// Angle without torque, rad.
     pub rest_rad: f64,

@@ -6,9 +6,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[serde(deny_unknown_fields)]
 pub struct PeriodicDisturbance {
     pub joint: usize,
-    /// Amplitude, Nm.
     pub amplitude_nm: f64,
-    /// Frequency, Hz.
     pub frequency_hz: f64,
 }
 

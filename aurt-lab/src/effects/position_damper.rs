@@ -6,9 +6,7 @@ use aurt_simulation::plant::{Instant, ShaftTorque};
 #[serde(deny_unknown_fields)]
 pub struct PositionDamper {
     pub joint: usize,
-    /// Mean damping, Nm s/rad.
     pub damping_nm_s: f64,
-    /// Angle of mean damping, rad.
     pub middle_rad: f64,
 }
 

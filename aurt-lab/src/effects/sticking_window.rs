@@ -6,9 +6,7 @@ use aurt_simulation::plant::{DryTerm, Instant};
 #[serde(deny_unknown_fields)]
 pub struct StickingWindow {
     pub joint: usize,
-    /// Excess of dry friction, Nm.
     pub excess_nm: f64,
-    /// The place, rad.
     pub place_rad: [f64; 2],
 }
 
@@ -50,7 +48,6 @@ impl Physics for StickingWindow {
     }
 }
 
-/// Width of the edges, rad.
 const EDGE_RAD: f64 = 0.03;
 
 impl DryTerm for StickingWindow {

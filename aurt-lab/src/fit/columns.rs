@@ -41,7 +41,6 @@ impl Columns {
         self.coefficients
     }
 
-    /// The coefficients of a joint's row.
     pub fn row(&self, joint: usize) -> &[usize] {
         &self.rows[joint]
     }

@@ -14,7 +14,6 @@ use super::columns::Columns;
 
 /// Every how many samples of the traces one is used.
 const THINNING: usize = 10;
-/// A joint moves above this, rad/s.
 const MOVING_RAD_S: f64 = 0.03;
 
 /// Noise-free samples of one recording, thinned out, from the first to the last motion.
@@ -65,7 +64,6 @@ impl Samples {
     }
 }
 
-/// A structure fitted to noise-free samples.
 #[derive(Debug)]
 pub(crate) struct NoiseFreeFit {
     columns: Arc<Columns>,

@@ -80,11 +80,6 @@ impl ProcessedFit {
         Ok(fit)
     }
 
-    /// The fitted coefficients: base parameters, then each joint's terms.
-    pub fn coefficients(&self) -> &[f64] {
-        &self.coefficients
-    }
-
     /// What the fit leaves of a recording, joint by joint, in Nm on the decimated rows.
     pub fn residuals(&self, recording: &Preprocessed) -> Result<Vec<Vec<f64>>, SimulationError> {
         let mut residuals = vec![Vec::new(); self.weights.len()];

@@ -186,7 +186,6 @@ impl InjectedWorld {
         Ok(Case { name: name.to_owned(), files, truth })
     }
 
-    /// The case's experiment.
     fn experiment(&self, split: &Split) -> String {
         let mut text = self.injection.real().experiment_toml.trim_end().to_owned() + "\n\n[recordings]\n";
         let mut next = 0;

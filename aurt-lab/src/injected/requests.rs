@@ -50,7 +50,6 @@ impl InjectedWorld {
         Ok(Self { injection: Injection::new(real)? })
     }
 
-    /// All splits of the recordings into roles.
     pub fn splits(&self) -> Vec<Split> {
         [Presence::Changed, Presence::All]
             .into_iter()
@@ -121,7 +120,6 @@ impl InjectedWorld {
         })
     }
 
-    /// Those of some effects that these recordings can have.
     fn possible(&self, effects: &[&str]) -> Result<Vec<String>, SimulationError> {
         let mut possible = Vec::new();
         for effect in effects {
@@ -146,7 +144,6 @@ impl InjectedWorld {
     }
 }
 
-/// Number of nulls that a plan asks for.
 fn nulls(plan: &Plan) -> usize {
     plan.nulls.as_ref().map_or(0, |n| n.count)
 }

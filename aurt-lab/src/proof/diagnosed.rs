@@ -17,7 +17,6 @@ use rayon::prelude::*;
 
 use super::{FAILED, Place, Shard, Source, UNFIT, VERDICT, scores::reference_folder, variants::Variant};
 
-/// What a proof does besides diagnosing.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Whether cases stay after they were diagnosed.
@@ -30,7 +29,6 @@ pub struct Options {
     pub varied: usize,
     /// The part of the cases that is made here.
     pub shard: Shard,
-    /// The program that diagnoses, `aurt`.
     pub program: PathBuf,
     /// The libraries that experiments of cases may name.
     pub trust: Trust,
@@ -190,7 +188,6 @@ fn forget(folder: &Path, options: &Options) -> Result<(), Failure> {
     if options.keep { Ok(()) } else { remove(folder) }
 }
 
-/// Removes a folder if it is there.
 fn remove(folder: &Path) -> Result<(), Failure> {
     match fs::remove_dir_all(folder) {
         Err(source) if source.kind() != std::io::ErrorKind::NotFound => {

@@ -9,7 +9,6 @@ use crate::{
 };
 use serde_json::json;
 
-/// Writes what the scores of proofs teach.
 pub fn learn(path: &Path, scores: &[(World, u64, Vec<CaseScore>)]) -> Result<Learnt, Failure> {
     let output = OutputFile::new("--learn", path, &[])?;
     let proofs: Vec<(World, u64, &[CaseScore])> =

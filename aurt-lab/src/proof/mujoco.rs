@@ -19,7 +19,6 @@ const PROGRAM: &str = "AURT_MUJOCO_WORLD";
 /// The repository's own, seen from its root.
 const OWN_PROGRAM: &str = "aurt-lab/mujoco/mujoco_world.py";
 
-/// Cases of the other engine.
 #[derive(Debug)]
 pub struct Mujoco {
     python: OsString,

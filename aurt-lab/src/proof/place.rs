@@ -9,7 +9,6 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The folders of one world of a proof.
 #[derive(Debug, Clone)]
 pub struct Place {
     root: PathBuf,
@@ -18,9 +17,7 @@ pub struct Place {
 /// What a world's folder holds the proof of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proof {
-    /// Seed of all random numbers.
     pub seed: u64,
-    /// How many cases there are when it is complete.
     pub cases: usize,
     /// Names of the experiments that effects are added to.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -37,7 +34,6 @@ const PROOF: &str = "proof.json";
 const PLAN: &str = "plan.json";
 
 impl Place {
-    /// A world's place in the folder of a proof.
     pub fn new(proof: &Path, world: World) -> Self {
         Self { root: proof.join(world.name()) }
     }
@@ -56,7 +52,6 @@ impl Place {
         self.root.join("cases")
     }
 
-    /// Folder of the truths.
     pub fn sealed(&self) -> PathBuf {
         self.root.join("sealed")
     }
@@ -90,7 +85,6 @@ impl Place {
         self.root.join("unmade")
     }
 
-    /// Folders that hold results.
     pub fn results(&self) -> [PathBuf; 6] {
         [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.variants(), self.unmade()]
     }

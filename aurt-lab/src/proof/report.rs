@@ -22,14 +22,12 @@ const METHODS: [&str; 3] = ["best_single", "lasso", "stlsq"];
 #[derive(Debug)]
 pub struct Proven {
     pub text: String,
-    /// The same and every case's score.
     pub json: Value,
     /// Whether cases could not be made or diagnosed.
     pub is_incomplete: bool,
     pub scores: Vec<(World, u64, Vec<CaseScore>)>,
 }
 
-/// Scores all worlds of a folder.
 pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, Failure> {
     let mut text = String::new();
     let mut scores: Vec<(World, u64, Vec<CaseScore>)> = Vec::new();

@@ -15,22 +15,17 @@ use serde_json::Value;
 
 use super::{COMPARISON, FAILED, Place, VERDICT, variants::Variant};
 
-/// Whose verdicts are scored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdicts {
-    /// Those of the diagnosis.
     Own,
     /// Those of diagnoses that were not allowed to know the effect; references are verdicts of the diagnosis.
     Removed {
-        /// Folder of the verdicts of the diagnosis.
         own: PathBuf,
     },
     /// Those of diagnoses that examined the effect alone; references are verdicts of the diagnosis.
     Oracle {
-        /// Folder of the verdicts of the diagnosis.
         own: PathBuf,
     },
-    /// Those of another method on the same cases.
     Method(String),
 }
 
@@ -62,7 +57,6 @@ pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<V
 
 /// Claims made of a robot without concealed effects.
 struct KnownClaims {
-    /// Those of the reference itself.
     own: Claim,
     /// The same, and the structure that other references of this robot show: which of them passes a test is a matter of chance, and
     /// whether the robot has it, is not.
@@ -175,7 +169,6 @@ fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
     })
 }
 
-/// The truths of a folder, sorted.
 fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
     let entries = fs::read_dir(sealed).map_err(|error| {
         Failure::argument(

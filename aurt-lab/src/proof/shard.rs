@@ -29,7 +29,6 @@ impl Shard {
         index % self.of == self.number - 1
     }
 
-    /// How many of some cases belong to it.
     pub fn count(self, cases: usize) -> usize {
         (0..cases).filter(|index| self.has(*index)).count()
     }

@@ -10,7 +10,6 @@ use crate::{
 use super::source::{Ingredients, Planned, Source};
 use aurt_simulation::Random;
 
-/// Cases of our own simulator.
 #[derive(Debug)]
 pub struct Simulated {
     world: World,
@@ -22,7 +21,6 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// The cases of a plan.
     pub fn new(world: World, ingredients: &Ingredients) -> Result<Self, Failure> {
         let (plan, seed) = (ingredients.plan.clone(), ingredients.seed);
         let is_servo = world == World::Servo;

@@ -17,7 +17,6 @@ impl From<&CaseRequest> for Planned {
     }
 }
 
-/// What makes the cases of a world.
 pub trait Source: Sync {
     /// The cases, in an order that reveals nothing.
     fn planned(&self) -> &[Planned];
@@ -40,17 +39,14 @@ pub trait Source: Sync {
         Vec::new()
     }
 
-    /// Those recordings.
     fn reference(&self, name: &str) -> Result<Case, SimulationError> {
         Err(SimulationError::Unreadable { path: name.into(), reason: "this world has no references".into() })
     }
 }
 
-/// What cases are made from.
 #[derive(Debug, Clone)]
 pub struct Ingredients {
     pub plan: Plan,
-    /// Seed of all random numbers.
     pub seed: u64,
     /// Experiments whose recordings effects are added to.
     pub into: Vec<PathBuf>,

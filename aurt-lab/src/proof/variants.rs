@@ -17,7 +17,6 @@ pub enum Variant {
     OtherOrder,
     /// Every second row of the recordings.
     HalfRate,
-    /// Positions and velocities are in degrees.
     Degrees,
     /// Every second recording outside the targets, from the first; no targets.
     FirstHalf,
@@ -30,10 +29,8 @@ const ROLES: [&str; 3] = ["calibration", "target", "validation"];
 const F_DYN_HZ: f64 = 10.0;
 /// The least rate over `f_dyn_hz`: default cut-offs stay below half the rate.
 const LEAST_RATE: f64 = 10.5;
-/// Quantities that are angles, or angles per second.
 const ANGLES: [&str; 6] = ["q", "qd", "actual_q", "actual_qd", "position", "velocity"];
 
-/// Names and contents of the files of a case.
 type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// The reason for which a case does not have a variant.
@@ -50,7 +47,6 @@ impl Variant {
         Self::SecondHalf,
     ];
 
-    /// Its name in files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::FDynHalved => "f_dyn_halved",
@@ -68,7 +64,6 @@ impl Variant {
         matches!(self, Self::FirstHalf | Self::SecondHalf)
     }
 
-    /// The files of the variant of a case, or why the case does not have it.
     pub fn files(self, case: &Path) -> Result<Result<NamedFiles, Unfit>, Failure> {
         let mut files = read(case)?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -155,14 +150,12 @@ fn rate_hz(csv: &str) -> f64 {
     }
 }
 
-/// The head and every second row of a recording.
 fn every_second_row(csv: &str) -> String {
     let mut lines = csv.lines();
     let head = lines.next().into_iter();
     head.chain(lines.step_by(2)).flat_map(|line| [line, "\n"]).collect()
 }
 
-/// A recording with its angles in degrees.
 fn in_degrees(csv: &str) -> String {
     let mut lines = csv.lines();
     let Some(head) = lines.next() else { return String::new() };

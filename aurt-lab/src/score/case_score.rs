@@ -49,7 +49,6 @@ pub struct CaseScore {
     pub first_label_class: bool,
     /// Whether the first label or one of its alternatives is right, whatever the verdict.
     pub with_alternatives: bool,
-    /// Whether the first label's family is right.
     pub right_family: bool,
     /// Whether the true labels stand anywhere.
     pub anywhere: bool,
@@ -73,7 +72,6 @@ pub struct CaseScore {
     /// recordings.
     #[serde(default)]
     pub structure_agrees: Option<bool>,
-    /// Claims by which variants of the case differ from it, where these were diagnosed.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub variants: BTreeMap<String, ClaimDifference>,
     /// Structural claims by which the second half of the reference differs from the first.
@@ -86,17 +84,14 @@ pub struct CaseScore {
     pub parameter_errors: Vec<ParameterError>,
     /// Share of the possible held-out improvement that was recovered.
     pub recovered: Option<f64>,
-    /// Every finding that prints a confidence.
     pub findings: Vec<ScoredFinding>,
 }
 
-/// A finding, what was said for it, and whether it is true.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoredFinding {
     pub effect: String,
     pub confidence: f64,
     pub evidence: BTreeMap<String, f64>,
-    /// Whether other effects are said to do as well.
     pub ambiguous: bool,
     /// Whether the effect is in the truth, in the background or claimed of the reference, on a joint of the finding.
     pub hit: bool,
@@ -213,7 +208,6 @@ fn findings(truth: &Truth, claim: &Claim, background: &Background<'_>) -> Vec<Sc
         .collect()
 }
 
-/// Joints of all claims of one identifier.
 fn joints_of(news: &[News<'_>], effect: &str) -> Vec<usize> {
     let mut joints: Vec<usize> =
         news.iter().filter(|n| n.effect == effect).flat_map(|n| n.joints.iter().copied()).collect();

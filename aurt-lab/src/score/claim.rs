@@ -11,7 +11,6 @@ use super::share::Share;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// Nothing is missing.
     NoMismatch,
     Named,
     /// One of a class, of programs that have a word for it.
@@ -27,7 +26,6 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Whether the answer gives what is missing a name.
     pub const fn names(self) -> bool {
         matches!(self, Self::Named | Self::Ambiguous | Self::PartlyExplained)
     }
@@ -37,7 +35,6 @@ impl Answer {
         matches!(self, Self::PartlyExplained | Self::Unexplained | Self::HeldOutDiffers)
     }
 
-    /// Its name in files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoMismatch => "no_mismatch",
@@ -88,16 +85,13 @@ pub struct ClaimedShare {
 /// The black box is better where it lowers the error by more than a twentieth: 1 − 0.95² of its square.
 const BETTER: f64 = 0.0975;
 
-/// An effect that a verdict names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ClaimedEffect {
     pub effect: String,
     #[serde(default)]
     pub joints: Vec<usize>,
-    /// Kinds of recordings that have it.
     #[serde(default)]
     pub present_in: Vec<String>,
-    /// When it acts, s.
     #[serde(default)]
     pub window_s: Option<[f64; 2]>,
     #[serde(default)]
@@ -165,7 +159,6 @@ impl Claim {
         Self::parse(read).map_err(|e| SimulationError::unreadable(path, e.to_string()))
     }
 
-    /// A verdict of torques, or of drives.
     pub(super) fn parse(verdict: Value) -> Result<Self, serde_json::Error> {
         if verdict.get("kind").and_then(Value::as_str) == Some("drive") {
             return serde_json::from_value::<DriveVerdict>(verdict).map(Self::from);

@@ -46,7 +46,6 @@ impl ClaimSet {
         self.0.iter().any(|one| one.effect == Answer::Failed.name())
     }
 
-    /// Those that are present in all recordings.
     #[must_use]
     pub fn structure(mut self) -> Self {
         self.0.retain(|one| !one.is_change);
@@ -67,7 +66,6 @@ impl ClaimSet {
     }
 }
 
-/// Claims as words, those of one effect together.
 fn words<'a>(claims: impl Iterator<Item = &'a SingleClaim>) -> Vec<String> {
     let mut joints: BTreeMap<(&str, bool), Vec<String>> = BTreeMap::new();
     for claim in claims {
@@ -85,19 +83,15 @@ fn words<'a>(claims: impl Iterator<Item = &'a SingleClaim>) -> Vec<String> {
     joints.iter().map(one).collect()
 }
 
-/// The difference of the claims of two verdicts.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ClaimDifference {
-    /// Claims that the other verdict lacks.
     pub appeared: Vec<String>,
-    /// Claims of the other verdict alone.
     pub vanished: Vec<String>,
     /// Claims of both verdicts, of those of either; each joint is one.
     pub common: Share,
 }
 
 impl ClaimDifference {
-    /// Whether both verdicts have the same claims.
     pub fn is_none(&self) -> bool {
         self.appeared.is_empty() && self.vanished.is_empty()
     }

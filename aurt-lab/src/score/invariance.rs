@@ -13,7 +13,6 @@ pub struct Invariance {
     pub same: Share,
     /// Claims of both, of those of a variant or its case; each joint is one.
     pub claims: Share,
-    /// Variants with the same claims, variant by variant.
     pub variants: BTreeMap<String, Share>,
     /// Pairs of halves of a reference with the same structural claims.
     pub halves: Share,
@@ -27,7 +26,6 @@ pub struct VariantDifference {
     pub case: String,
     /// The variant, or [`HALVES`].
     pub variant: String,
-    /// Claims that appear and vanish.
     pub claims: ClaimDifference,
 }
 

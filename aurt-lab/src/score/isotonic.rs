@@ -1,7 +1,6 @@
 //! Isotonic regression of hits on evidence, by pooling adjacent violators (Barlow et al., *Statistical Inference under
 //! Order Restrictions*, 1972; as calibration: Zadrozny and Elkan, KDD 2002).
 
-/// Findings that were pooled.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     from: f64,

@@ -6,7 +6,6 @@ use super::case_score::{CaseScore, ScoredFinding};
 use super::isotonic::{interpolated, isotonic};
 use crate::case::World;
 
-/// The version of the file.
 pub const SCHEMA: u32 = 1;
 
 /// What was learnt from proofs, in a file that `aurt diagnose` reads.
@@ -22,7 +21,6 @@ pub struct Learnt {
     pub ambiguous: Rate,
 }
 
-/// One world of one proof.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearntFrom {
@@ -30,7 +28,6 @@ pub struct LearntFrom {
     pub seed: u64,
     pub cases: usize,
     pub findings: usize,
-    /// Findings that were right.
     pub hits: usize,
 }
 
@@ -45,12 +42,10 @@ pub struct Curves {
     pub curves: BTreeMap<String, Vec<[f64; 2]>>,
 }
 
-/// Hits of findings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
     pub findings: usize,
-    /// Those that were right.
     pub hits: usize,
 }
 

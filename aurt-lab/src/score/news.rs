@@ -11,10 +11,8 @@ const CLASS: [&str; 2] = ["coulomb_asymmetry", "current_offset"];
 /// Alternatives of a claim that count: a class has at most three names.
 pub(super) const ALTERNATIVES: usize = 2;
 
-/// When two names are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sameness {
-    /// The same identifier.
     Strict,
     /// The same identifier, or one that no recording tells from it.
     Class,
@@ -44,7 +42,6 @@ struct Known<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct News<'a> {
     pub effect: &'a str,
-    /// The joints of it that are new, or true.
     pub joints: Vec<usize>,
     /// Whether it is claimed of the later recordings alone.
     pub change: bool,

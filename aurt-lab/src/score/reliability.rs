@@ -9,9 +9,7 @@ use super::share::{Share, mean};
 pub struct Bin {
     pub from: f64,
     pub to: f64,
-    /// Mean confidence that was claimed.
     pub claimed: f64,
-    /// Findings that were right.
     pub hits: Share,
 }
 
@@ -21,7 +19,6 @@ pub struct Reliability {
     /// Mean squared difference between confidence and truth (Brier 1950); 0 is perfect, that of always saying the hit
     /// rate p is p (1 − p).
     pub brier: Option<f64>,
-    /// Findings by confidence.
     pub bins: Vec<Bin>,
 }
 

@@ -34,7 +34,6 @@ impl Scoreboard {
         format!("| {} | {} |\n|{}\n", keys.join(" | "), worlds.join(" | "), "---|".repeat(count))
     }
 
-    /// A row: keys, and a cell for every world.
     fn row(&self, keys: &[&str], cell: impl Fn(&WorldBoard) -> Option<String>) -> String {
         let cells: Vec<String> = self
             .columns()
@@ -222,7 +221,6 @@ impl Scoreboard {
 
 type Cell = fn(&Singles) -> Option<String>;
 
-/// What is counted of singles, each for itself.
 const SINGLES: [(&str, Cell); 15] = [
     ("**all right**", |s| shown(s.right)),
     ("seen by the oracle: claimed where it alone is examined", |s| shown(s.seen)),

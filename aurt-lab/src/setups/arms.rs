@@ -55,7 +55,6 @@ fn body(mass_kg: f64, row: &MdhRow, size_m: f64, random: &mut Random) -> LinkBod
     LinkBody { mass_kg, com_m, inertia_at_com_kg_m2: [b + c, 0.0, 0.0, a + c, 0.0, a + b] }
 }
 
-/// About what a joint has to hold.
 fn carried_nm(links: &[LinkBody], mdh: &[MdhRow], joint: usize) -> f64 {
     let mut reach_m = 0.03;
     let mut torque_nm = 0.0;

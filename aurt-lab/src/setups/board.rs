@@ -4,17 +4,14 @@ use serde::Serialize;
 
 use super::{Answer, Kind, Outcome};
 
-/// All answers of a seed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Board {
-    /// Seed of all random numbers.
     pub seed: u64,
     pub right: Vec<Answer>,
     pub wrong: Vec<Answer>,
 }
 
 impl Board {
-    /// Tables in Markdown.
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         let row = |what: &str, of: &[&Answer]| {

@@ -7,7 +7,6 @@ use aurt_traits::{MeasurementUnit, RobotNames};
 
 use super::setup::{Geometry, Log, Setup, file_name};
 
-/// A mistake that was made.
 #[derive(Debug, Clone)]
 pub struct Kind {
     pub name: &'static str,
@@ -62,13 +61,11 @@ const KINDS: [(&str, Make); 32] = [
 ];
 
 impl Kind {
-    /// Makes the mistake of an index, if the setup can have it.
     pub fn make(index: usize, setup: &mut Setup, random: &mut Random) -> Option<Self> {
         let (name, make) = KINDS[index % KINDS.len()];
         make(setup, random).map(|(detail, cures)| Self { name, detail, cures })
     }
 
-    /// All names, in their order.
     pub fn names() -> impl Iterator<Item = &'static str> {
         KINDS.iter().map(|(name, _)| *name)
     }
@@ -83,7 +80,6 @@ fn joint_words(setup: &Setup, joint: usize, others: &[&str]) -> Vec<Vec<String>>
     others.iter().map(named).collect()
 }
 
-/// Joints as `aurt` calls them.
 fn called(setup: &Setup, joints: &[usize]) -> String {
     RobotNames::of_joints(&setup.joint_names()).joint_list(joints)
 }

@@ -19,13 +19,11 @@ use crate::product::{Failure, OutputFolder, pretty};
 use aurt_simulation::{Random, SimulationError};
 use setup::Setup;
 
-/// Which setups are made.
 #[derive(Debug, Clone, Copy)]
 pub struct Counted {
     /// Setups without a mistake.
     pub right: usize,
     pub wrong: usize,
-    /// Seed of all random numbers.
     pub seed: u64,
 }
 

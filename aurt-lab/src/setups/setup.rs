@@ -21,22 +21,16 @@ use super::arms::arm;
 /// Where the experiment has the robot's geometry from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Geometry {
-    /// A robot known by name.
     Name(String),
-    /// `robot.urdf`.
     Urdf,
-    /// `mdh.csv`.
     Table,
 }
 
 /// Units of a recording that are not SI.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Units {
-    /// Positions in degrees.
     pub degrees: bool,
-    /// Stamps in ms.
     pub milliseconds: bool,
-    /// Currents in mA.
     pub milliampere: bool,
     /// Positions of motors behind such gears.
     pub gear_ratio: Option<f64>,
@@ -48,7 +42,6 @@ pub struct Log {
     pub time_s: Vec<f64>,
     pub position_rad: Vec<Vec<f64>>,
     pub measurement: Vec<Vec<f64>>,
-    /// The units that it is written in.
     pub units: Units,
     pub validates: bool,
 }
@@ -81,7 +74,6 @@ impl Setup {
         }
     }
 
-    /// A right setup.
     pub fn draw(random: &mut Random) -> Result<Self, SimulationError> {
         let (robot, geometry) = robot(random);
         let motions = Motions::draw(random);
@@ -156,7 +148,6 @@ impl Setup {
         self.mdh.len()
     }
 
-    /// Names and contents of the files.
     pub fn files(&self) -> Vec<(String, Vec<u8>)> {
         let mut files = vec![("experiment.toml".to_owned(), self.experiment().into_bytes())];
         match self.geometry {
@@ -286,11 +277,9 @@ fn payload(robot: &Robot, random: &mut Random) -> Payload {
 /// What a user lets the robot do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Habit {
-    /// Sums of sines.
     Excites,
     /// Moves between poses.
     Works,
-    /// Slow strokes.
     Tracks,
     Mixes,
 }
@@ -407,7 +396,6 @@ impl Surroundings {
     }
 }
 
-/// The geometry as `mdh.csv`.
 fn table(mdh: &[MdhRow]) -> String {
     let row = |r: &MdhRow| format!("{:?},{:?},{:?}\n", r.alpha_rad, r.a_m, r.d_m);
     "alpha,a,d\n".to_owned() + &mdh.iter().map(row).collect::<String>()

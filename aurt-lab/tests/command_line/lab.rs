@@ -7,7 +7,6 @@ use crate::{
     support::{Folder, Run},
 };
 
-/// Runs `aurt-lab` in a folder.
 pub fn lab<S: AsRef<OsStr>>(folder: &Folder, arguments: impl IntoIterator<Item = S>) -> Run {
     lab_with(folder, [], arguments)
 }

@@ -72,7 +72,6 @@ impl Inner {
         if errors.is_empty() { Ok(inner) } else { Err(errors) }
     }
 
-    /// Puts the models in the places of a term's.
     pub(super) fn fill(self, places: InnerModels<'_>) {
         if let Some(model) = self.coulomb {
             *places.coulomb = model;

@@ -7,7 +7,6 @@ use std::{
 
 use crate::error::{Error, LibraryProblem};
 
-/// Largest file of a library.
 const MOST_BYTES: u64 = 512 << 20;
 
 #[derive(Debug)]

@@ -20,7 +20,6 @@ use super::{description::Described, library::LibraryModel};
 /// The key under which a saved model of a library says where it is from.
 pub(crate) const PLUGIN_KEY: &str = "plugin";
 
-/// Bytes for a library's messages.
 const MESSAGE_BYTES: usize = 4096;
 /// Batches that a new instance evaluates between guards.
 const GUARDED_BATCHES: usize = 2;

@@ -42,7 +42,6 @@ unsafe impl Send for Table {}
 // SAFETY: as above.
 unsafe impl Sync for Table {}
 
-/// A model's listing and the model.
 type Listed = (ModelListing, Arc<LibraryModel>);
 
 pub(crate) type Loaded = (LibraryListing, Vec<Listed>);
@@ -57,7 +56,6 @@ unsafe impl Send for DeclarationAddress {}
 /// What is loaded, by hashes: the same bytes are loaded once.
 static LOADED: Mutex<BTreeMap<String, DeclarationAddress>> = Mutex::new(BTreeMap::new());
 
-/// Loads a library and lists its models.
 pub(crate) fn load(file: &LibraryFile) -> Result<Loaded, LibraryProblem> {
     let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
     let declaration = match loaded.get(&file.blake3) {

@@ -14,11 +14,9 @@ pub(super) struct Block {
     offsets: [usize; INERTIAL_PARAMETERS],
 }
 
-/// All ten entries.
 const ALL: u16 = 0b11_1111_1111;
 /// The entries that most base parameter sets keep: all but YY, mZ and m.
 const USUAL_BASE: u16 = 0b00_1111_0111;
-/// Whatever the block's own mask says.
 const AS_WANTED: u16 = 0;
 
 /// The entries of a link's block that can load its own revolute joint: its mass and its first moment along the axis
@@ -56,7 +54,6 @@ impl Block {
         block
     }
 
-    /// Whether entry `k` is wanted.
     const fn wants(&self, k: usize) -> bool {
         self.wanted & (1 << k) != 0
     }

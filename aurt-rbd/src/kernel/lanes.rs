@@ -9,10 +9,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// Number of lanes.
     const LANES: usize;
 
-    /// `value` in every lane.
     fn splat(value: f64) -> Self;
     /// The first values of `from`, which has at least as many as there are lanes.
     fn load(from: &[f64]) -> Self;
@@ -21,9 +19,7 @@ pub(crate) trait Lanes:
     /// # Safety
     /// As many values as there are lanes can be written at `to`.
     unsafe fn store_at(self, to: *mut f64);
-    /// The first lane.
     fn first(self) -> f64;
-    /// self · b + c, rounded once if the instruction set can.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// c − self · b, rounded once if the instruction set can.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;

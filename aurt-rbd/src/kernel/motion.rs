@@ -7,7 +7,6 @@ use crate::joint::{Joint, JointFrame, JointKind};
 /// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.
 pub(super) const GROUP: usize = 6;
 
-/// Where a link is in the tree.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Branching {
     /// Where the link's path begins among those of all links.
@@ -77,7 +76,6 @@ impl Place {
     }
 }
 
-/// Rᵀ v.
 #[inline(always)]
 fn transpose_times(r: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| r[0][c] * v[0] + r[1][c] * v[1] + r[2][c] * v[2])
@@ -265,7 +263,6 @@ pub(super) fn next_link<T: Lanes>(
     });
 }
 
-/// What is remembered of each joint of a group.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JointLanes<T> {
     /// The joint's angles.

@@ -136,7 +136,6 @@ struct Wrench<T> {
 }
 
 impl<T: Lanes> Wrench<T> {
-    /// Its power along a twist, added to `sum`.
     #[inline(always)]
     fn along(&self, twist: &Twist<T>, sum: T) -> T {
         let [sx, sy, sz] = twist.omega;

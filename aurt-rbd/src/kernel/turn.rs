@@ -1,6 +1,5 @@
 use super::lanes::Lanes;
 
-/// A vector of three in the lanes.
 pub(super) type Vector<T> = [T; 3];
 
 /// The constant rotation of a placement, in the cheapest form that it has.
@@ -163,7 +162,6 @@ impl Turned for Any {
     }
 }
 
-/// A matrix column times a vector.
 #[inline(always)]
 fn column_dot<T: Lanes>(r: &[[f64; 3]; 3], c: usize, v: &Vector<T>) -> T {
     dot(&[T::splat(r[0][c]), T::splat(r[1][c]), T::splat(r[2][c])], v)

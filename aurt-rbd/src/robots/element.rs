@@ -12,10 +12,8 @@ const MOST_NODES: u32 = 1 << 20;
 const MOST_ATTRIBUTES: usize = 128;
 /// Declarations of namespaces that are read; each is handed down to all elements within.
 const MOST_NAMESPACES: usize = 1000;
-/// Elements within each other that are read.
 const MOST_NESTED: usize = 256;
 
-/// The elements of a file.
 pub(crate) fn document<'t>(text: &'t str, path: &Path) -> Result<Document<'t>, RobotError> {
     if let Some((at, reason)) = excess(text) {
         let line = u32::try_from(text[..at].matches('\n').count() + 1).unwrap_or(u32::MAX);

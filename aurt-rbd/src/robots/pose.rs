@@ -1,7 +1,6 @@
 use crate::Placement;
 use nalgebra::{Matrix3, Vector3};
 
-/// Where a frame is in another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pose {
     /// Maps coordinates in the frame to the other.

@@ -9,10 +9,8 @@ use crate::robots::RobotError;
 use crate::robots::part::Part;
 use crate::robots::tree::{Freedom, Tie, Tree};
 
-/// How many names a message lists.
 const MOST_NAMES: usize = 40;
 
-/// A part of a tree.
 #[derive(Debug)]
 pub(crate) struct Selection {
     pub base: usize,
@@ -195,7 +193,6 @@ fn find_link(tree: &Tree, which: &'static str, name: &str) -> Result<usize, Robo
     find(tree, ("link", which, name), tree.links.iter().map(|link| link.name.as_str()))
 }
 
-/// The joint of a name, which has to be one that moves.
 fn find_joint(tree: &Tree, name: &str) -> Result<usize, RobotError> {
     let found = find(tree, ("joint", "`joints`", name), tree.joints.iter().map(|joint| joint.name.as_str()))?;
     let joint = &tree.joints[found];
@@ -209,7 +206,6 @@ fn find_joint(tree: &Tree, name: &str) -> Result<usize, RobotError> {
     Err(RobotError::Element { path: tree.path.clone(), line, what, reason })
 }
 
-/// Where a name is among those of a kind.
 fn find<'n>(
     tree: &Tree,
     (kind, which, name): (&'static str, &'static str, &str),

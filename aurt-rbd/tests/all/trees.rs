@@ -12,7 +12,6 @@ fn chain_to(tree: &SerialChain, link: usize) -> SerialChain {
     SerialChain::new(tree.path(link).iter().map(alone).collect(), tree.gravity_m_s2()).unwrap()
 }
 
-/// The same motion of some of the joints.
 fn motion_of(joints: &[usize], samples: usize, seed: u64) -> Motion {
     let series = |reach: f64, kind: u64| -> Vec<f64> {
         let value = |joint: usize, k: usize| {

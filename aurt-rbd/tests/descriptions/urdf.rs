@@ -11,7 +11,6 @@ fn gantry(base: Option<&str>, tip: Option<&str>) -> Result<DescribedRobot, Robot
     parse(GANTRY, "gantry.urdf", base, tip)
 }
 
-/// The message of a file that is refused.
 fn refused(text: &str, tip: Option<&str>) -> String {
     parse(text, "arm.urdf", None, tip).unwrap_err().to_string()
 }

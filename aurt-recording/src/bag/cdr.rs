@@ -39,7 +39,6 @@ impl<'a> CdrBody<'a> {
         Self { at, ..self }
     }
 
-    /// Seconds and nanoseconds, in ns.
     pub(super) fn time_ns(&mut self) -> Option<i64> {
         let seconds = i64::from(self.word()? as i32);
         Some(seconds * 1_000_000_000 + i64::from(self.word()?))
@@ -90,7 +89,6 @@ impl<'a> CdrBody<'a> {
         Some(bytes.strip_suffix(&[0]).unwrap_or(bytes))
     }
 
-    /// A sequence of numbers, which replaces the values.
     pub(super) fn numbers(&mut self, values: &mut Vec<f64>) -> Option<()> {
         let count = self.word()? as usize;
         values.clear();

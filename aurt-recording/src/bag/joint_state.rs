@@ -21,7 +21,6 @@ pub(crate) struct JointState {
 }
 
 impl JointState {
-    /// Takes the message of these bytes.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
         let mut body = CdrBody::of(bytes)?;
         self.stamp_ns = body.time_ns().ok_or(BREAKS_OFF)?;
@@ -33,7 +32,6 @@ impl JointState {
         self.bounded()
     }
 
-    /// Takes the names of the joints.
     pub(super) fn name(&mut self, body: &mut CdrBody<'_>) -> Result<(), &'static str> {
         let (start, count) = body.names()?;
         let written = body.since(start);
@@ -54,7 +52,6 @@ impl JointState {
         if most > MOST_OF_MESSAGE { Err(TOO_MANY) } else { Ok(()) }
     }
 
-    /// Bytes that the message holds.
     pub(super) fn bytes(&self) -> usize {
         let names = self.names.len() * size_of::<String>() + 2 * self.names_written.len();
         names + size_of::<f64>() * (self.position.len() + self.velocity.len() + self.effort.len())

@@ -166,7 +166,6 @@ impl<'a> Joints<'a> {
         columns
     }
 
-    /// What is to be said about joints and stamps.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = vec![format!("joints in this order: {}", self.names.join(", "))];
         if self.recorder_stamps {

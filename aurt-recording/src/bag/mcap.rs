@@ -229,7 +229,6 @@ fn parse(kind: u8, body: &[u8]) -> Result<Record<'_>, Ending> {
     })
 }
 
-/// The fields of a record, little-endian.
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {

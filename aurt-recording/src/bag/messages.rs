@@ -24,7 +24,6 @@ pub(super) struct Messages<'a> {
 }
 
 impl<'a> Messages<'a> {
-    /// The messages of a topic that each of these files has.
     pub(super) fn new(
         path: &'a Path,
         files: impl DoubleEndedIterator<Item = (&'a dyn Container, &'a Topic)> + Clone,

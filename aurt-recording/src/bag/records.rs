@@ -32,7 +32,6 @@ pub(super) trait Container {
     fn records<'a>(&'a self, scan: Scan<'a>) -> Result<Box<dyn Records + 'a>, RecordingError>;
 }
 
-/// Which records are of interest.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Scan<'a> {
     /// Topics, as far as they are listed apart from messages.

@@ -209,7 +209,6 @@ impl<'a> SqliteRecords<'a> {
     }
 }
 
-/// The bytes of a text or a blob.
 fn bytes(value: ValueRef<'_>) -> Option<&[u8]> {
     if let ValueRef::Text(bytes) | ValueRef::Blob(bytes) = value { Some(bytes) } else { None }
 }

@@ -7,7 +7,6 @@ use crate::error::RecordingError;
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
 /// Type of the messages of planned motions.
 const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
-/// What joint states are usually published as.
 const USUAL: &str = "/joint_states";
 
 /// A topic whose messages are read.
@@ -25,7 +24,6 @@ pub(super) struct Topic {
 /// Topics and types that a file may list; in MCAP there are no more numbers for them.
 const MOST_LISTED: usize = 1 << 16;
 
-/// What a file says of its topics.
 #[derive(Debug, Default)]
 struct Listing {
     schemas: BTreeMap<u64, String>,

@@ -5,7 +5,6 @@ use crate::csv::search::Search;
 use crate::error::RecordingError;
 use crate::recorded_as::{AngleUnit, RecordedAs, TimeUnit};
 
-/// Where the time stamps are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Clock {
     pub(super) column: usize,

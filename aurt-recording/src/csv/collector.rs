@@ -65,7 +65,6 @@ pub(super) struct Collector<'a> {
     absent: Vec<u32>,
 }
 
-/// A row that was left out.
 struct Dropped {
     line: usize,
     /// Place of the offending value in the row.
@@ -82,7 +81,6 @@ enum Reason {
     NoNumber,
 }
 
-/// A line's number as it is kept.
 fn shown(line: usize) -> u32 {
     u32::try_from(line).unwrap_or(u32::MAX)
 }
@@ -432,7 +430,6 @@ impl<'a> Collector<'a> {
         series
     }
 
-    /// Leaves out the rows of some findings.
     fn drop_findings(&mut self, findings: &[Finding]) {
         if findings.is_empty() {
             return;

@@ -8,7 +8,6 @@ use crate::recorded_as::Factor;
 use crate::recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 use crate::recording::RecordedJoints;
 
-/// The columns that are read.
 #[derive(Debug)]
 pub(super) struct Selected {
     /// None where the stamps follow from the rate.
@@ -60,7 +59,6 @@ fn factors(selected: &Selected, recorded: &RecordedAs) -> Result<Vec<Factor>, Re
 }
 
 impl Search<'_> {
-    /// Finds the columns of all quantities.
     pub(super) fn run(&self) -> Result<Selected, RecordingError> {
         let selection = &self.options.columns;
         let recorded = &self.options.recorded;

@@ -227,17 +227,12 @@ pub(super) fn unit_of(name: &str) -> Option<MeasurementUnit> {
     TORQUE.contains(&parts.prefix.as_str()).then_some(MeasurementUnit::NewtonMetre)
 }
 
-/// Ways to write the unit of time.
 pub(super) const TIME_UNITS: [&str; 3] = ["s", "sec", "seconds"];
-/// Ways to write the unit of position.
 pub(super) const POSITION_UNITS: [&str; 2] = ["rad", "radians"];
-/// Ways to write the unit of velocity.
 pub(super) const VELOCITY_UNITS: [&str; 4] = ["rad/s", "rad/sec", "rad s^-1", "rad*s^-1"];
 /// Units of the positions, velocities and measurements of joints that slide.
 pub(super) const SLIDING_UNITS: [&str; 6] = ["m", "m/s", "n", "a", "amp", "ampere"];
-/// Ways to write the unit of torque.
 pub(super) const TORQUE_UNITS: [&str; 5] = ["nm", "n m", "n*m", "n·m", "n.m"];
-/// Ways to write the unit of current.
 pub(super) const CURRENT_UNITS: [&str; 3] = ["a", "amp", "ampere"];
 
 /// A column name taken apart, in lower case.

@@ -3,7 +3,6 @@ use crate::csv::number;
 
 /// Longest name, in characters, that is compared with others to say what was meant.
 const LONGEST_COMPARED: usize = 64;
-/// Names that it is compared with.
 const MOST_COMPARED: usize = 4096;
 
 /// The names of a file's columns.

@@ -9,7 +9,6 @@ const USUAL: usize = 20;
 /// Gap that is left where a clock was set back: how long it really is, nobody knows. It splits every recording.
 const GAP_S: f64 = 1.0;
 
-/// A run of such rows.
 #[derive(Default)]
 pub(super) struct Late {
     /// Each with its line.

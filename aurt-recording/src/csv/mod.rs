@@ -77,7 +77,6 @@ impl RecordingFormat for Csv {
     }
 }
 
-/// The reading of one file.
 struct Reader<'a> {
     path: &'a Path,
     options: &'a ReadOptions,
@@ -154,7 +153,6 @@ impl Reader<'_> {
         Ok(recording(self.path, &selected, series, report))
     }
 
-    /// The header, and the line it was found on.
     fn header(
         &self,
         dialect: Dialect,

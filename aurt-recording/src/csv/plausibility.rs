@@ -101,7 +101,6 @@ pub(super) struct Turns {
     before: Option<[f64; 2]>,
 }
 
-/// A joint whose positions are looked at.
 #[derive(Clone, Copy)]
 pub(super) struct JointPosition {
     pub(super) joint: usize,

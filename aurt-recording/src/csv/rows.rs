@@ -12,7 +12,6 @@ pub(super) struct RowParser {
     optional: usize,
 }
 
-/// What is wrong with a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowProblem {
     /// Another number of cells than the file has columns.

@@ -9,7 +9,6 @@ use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
 use crate::selection::{ColumnRef, ColumnsRef};
 
-/// The search for columns in one file.
 pub(super) struct Search<'a> {
     pub(super) path: &'a Path,
     pub(super) header: &'a Header,
@@ -110,7 +109,6 @@ impl Search<'_> {
         families.find_map(|(quantity, columns)| Some((*quantity, all(columns)?)))
     }
 
-    /// Of each quantity and each joint the columns that are named after both.
     fn named_columns(&self, joints: &[String], quantities: &[&str]) -> Vec<Vec<Vec<usize>>> {
         let mut places = HashMap::new();
         for (k, quantity) in quantities.iter().enumerate() {
@@ -133,7 +131,6 @@ impl Search<'_> {
         found
     }
 
-    /// The columns of a prefix.
     pub(super) fn family(
         &self,
         families: &Families,
@@ -149,7 +146,6 @@ impl Search<'_> {
         }
     }
 
-    /// The columns that a selection means.
     pub(super) fn columns(
         &self,
         columns: &ColumnsRef,
@@ -176,7 +172,6 @@ impl Search<'_> {
         }
     }
 
-    /// The column that a reference means.
     pub(super) fn column(&self, column: &ColumnRef, what: &'static str) -> Result<usize, RecordingError> {
         match column {
             ColumnRef::Index(index) if *index < self.header.columns => Ok(*index),

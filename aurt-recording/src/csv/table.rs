@@ -56,7 +56,6 @@ impl<'a> Table<'a> {
         self.selected.time
     }
 
-    /// Says which joints the columns belong to.
     pub(crate) fn belongs_to(&mut self, joints: RecordedJoints) {
         self.selected.joints = joints;
     }
@@ -127,7 +126,6 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The report on what was collected from selected columns.
 pub(super) fn report(
     format: String,
     header: &Header,
@@ -167,7 +165,6 @@ pub(super) fn report(
     }
 }
 
-/// A recording of the selected series.
 pub(super) fn recording(
     path: &Path,
     selected: &Selected,

@@ -37,7 +37,6 @@ impl Spill {
         Ok(())
     }
 
-    /// Ends writing.
     pub(super) fn finish(&mut self) -> io::Result<()> {
         match self.writer.take() {
             Some(mut writer) => writer.flush(),

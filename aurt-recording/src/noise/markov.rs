@@ -186,7 +186,6 @@ mod tests {
     use super::super::spectrum::MedianSpectrum;
     use super::WhiteAndMarkov;
 
-    /// A series of both kinds of noise.
     fn series(truth: &WhiteAndMarkov, seconds: f64, seed: u64) -> Vec<f64> {
         let mut normal = Normal::new(seed);
         let a = (-std::f64::consts::TAU * truth.corner_hz / truth.rate_hz).exp();

@@ -8,7 +8,6 @@ use crate::noise::median::median;
 /// Lowest bin that counts: the trend that is taken off each piece, and the window, belong to those below.
 const LOWEST_BIN: usize = 2;
 
-/// Fewer pieces than this have no medians of their own.
 const FEW_PIECES: usize = 10;
 
 /// A piece with more jolts than this has too little left of itself: a straight line and two shapes a jolt take up the

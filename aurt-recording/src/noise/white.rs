@@ -10,7 +10,6 @@ const DIFFERENCE: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 /// less below a sixth of the sampling rate, and more above it. The least level counts.
 const ORDERS: [usize; 3] = [4, 6, 8];
 
-/// Stamps of the longest difference.
 const LONGEST: usize = 9;
 
 /// A higher order must show this much less: two estimates from a hundred chunks differ by some per cent.

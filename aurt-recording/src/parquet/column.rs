@@ -73,7 +73,6 @@ pub(super) struct Column<'a> {
     in_list: Option<usize>,
 }
 
-/// Levels and numbers of a page.
 #[derive(Debug, Default)]
 struct PageContent {
     definitions: Vec<i16>,
@@ -118,7 +117,6 @@ impl<'a> Column<'a> {
         Ok(self.values)
     }
 
-    /// Fills `row` with the numbers of the next row.
     pub(super) fn next(&mut self, row: &mut [f64]) -> Result<(), Problem> {
         while self.values.len() - self.at < row.len() {
             self.values.drain(..self.at);

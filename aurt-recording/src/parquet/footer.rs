@@ -7,7 +7,6 @@ use crate::guarded::guarded;
 /// Structures nest no deeper than this in files that are sound; the crate descends into as many as a file claims.
 const DEEPEST: usize = 32;
 
-/// The meaning of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     Stored,
@@ -34,7 +33,6 @@ impl Number {
     }
 }
 
-/// A column of numbers, or of lists of numbers.
 #[derive(Debug, Clone)]
 pub(super) struct Leaf {
     /// Its name, with those of the structures around it.
@@ -84,7 +82,6 @@ pub(super) fn leaves(schema: &SchemaDescriptor) -> (Vec<Leaf>, Vec<String>) {
     (leaves, others)
 }
 
-/// The meaning of numbers, if they are any.
 fn number(physical: Physical, logical: Option<&LogicalType>, converted: ConvertedType) -> Option<Number> {
     use ConvertedType as Old;
     let stamp = |per_second| Number::Stamp { per_second, origin: 0 };

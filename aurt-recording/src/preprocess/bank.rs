@@ -90,12 +90,6 @@ impl<'a> DecimatedTile<'a> {
             rows[self.first_row..self.first_row + self.rows].copy_from_slice(self.column(k));
         }
     }
-
-    /// All columns and their stride: column k is `data[k * stride .. k * stride + rows]`.
-    #[must_use]
-    pub const fn raw(&self) -> (&'a [f64], usize) {
-        (self.data, self.stride)
-    }
 }
 
 impl ZeroPhaseBank {
@@ -143,18 +137,6 @@ impl ZeroPhaseBank {
     #[must_use]
     pub fn keeping(self, kept: Range<usize>) -> Self {
         Self { kept, ..self }
-    }
-
-    /// Number of columns.
-    #[must_use]
-    pub const fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// Samples pushed so far.
-    #[must_use]
-    pub const fn samples(&self) -> usize {
-        self.samples
     }
 
     /// Takes the next `samples` samples of all columns, column k at `data[k * stride .. k * stride + samples]`,
@@ -256,7 +238,6 @@ impl ZeroPhaseBank {
         (0..self.columns).map(of_column).collect()
     }
 
-    /// Readies the bank for other columns.
     fn reset(&mut self) {
         self.started = false;
         self.carried = 0;

@@ -166,7 +166,6 @@ fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed
     (samples < needed).then_some(Refusal::Short { samples, needed, after: " between gaps" })
 }
 
-/// The two filters of preprocessing.
 #[derive(Clone, Copy)]
 pub(crate) enum Which {
     Position,

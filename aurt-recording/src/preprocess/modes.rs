@@ -42,7 +42,6 @@ pub(super) struct ModeGroup {
     pub(super) direct: f64,
 }
 
-/// The states of one direction, two per group.
 pub(super) type State = [Complex; 2];
 
 impl Modes {
@@ -112,7 +111,6 @@ impl Modes {
         group
     }
 
-    /// p^n of the two modes of a group.
     pub(super) fn powers(&self, group: usize, n: usize) -> State {
         let power = |k: usize| self.poles.get(k).map_or(Complex::default(), |p| power(*p, n));
         [power(2 * group), power(2 * group + 1)]
@@ -180,7 +178,6 @@ impl Modes {
         pairs(&out)
     }
 
-    /// Runs forward states on over some samples.
     pub(super) fn run_on(&self, states: &mut [State], samples: &[f64]) {
         for (state, pole) in states.iter_mut().flatten().zip(&self.poles) {
             for x in samples {

@@ -71,7 +71,6 @@ impl Default for PreprocessOptions {
 }
 
 impl PreprocessOptions {
-    /// Positions behind the position filter.
     pub(crate) fn smoothed(
         &self,
         filter: &ZeroPhase,

@@ -51,13 +51,6 @@ impl Segment {
         (self.kept_rows.start + row) * self.decimation
     }
 
-    /// The row to which a sample of the motion is nearest from above, if it counts.
-    #[must_use]
-    pub fn row(&self, sample: usize) -> Option<usize> {
-        let row = sample / self.decimation;
-        self.kept_rows.contains(&row).then(|| row - self.kept_rows.start)
-    }
-
     /// What a series over the motion is at the rows.
     #[must_use]
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
@@ -161,7 +154,6 @@ struct OnGrid {
 }
 
 impl Plan<'_> {
-    /// The segment made from the samples `run`.
     pub(super) fn segment(
         &self,
         recording: &Recording,

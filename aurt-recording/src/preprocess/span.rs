@@ -43,7 +43,6 @@ impl Memory {
         self.motion + self.parallel
     }
 
-    /// The same, s.
     pub(crate) fn of_rows_s(&self, rate_hz: f64) -> f64 {
         self.of_rows() as f64 / rate_hz
     }

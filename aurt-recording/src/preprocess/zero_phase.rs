@@ -188,7 +188,6 @@ impl ZeroPhase {
     }
 }
 
-/// A series mirrored through its first point.
 fn mirrored_through<'a>(series: &'a dyn Fn(usize) -> f64) -> Box<dyn Fn(usize) -> f64 + 'a> {
     Box::new(move |k| 2.0 * series(0) - series(k))
 }

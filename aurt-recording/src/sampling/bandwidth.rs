@@ -3,7 +3,6 @@
 use crate::noise::{PositionNoise, velocity_gain};
 use crate::preprocess::Preprocessed;
 
-/// Values of f_dyn that are offered, Hz.
 const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
 /// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
 const ROOM: f64 = 3.0;

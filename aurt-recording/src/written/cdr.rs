@@ -28,7 +28,6 @@ impl CdrWriter {
         self.body.push(0);
     }
 
-    /// Appends a sequence of texts.
     pub(super) fn texts(&mut self, texts: &[String]) {
         self.word(texts.len() as u32);
         texts.iter().for_each(|text| self.text(text));
@@ -45,7 +44,6 @@ impl CdrWriter {
         }
     }
 
-    /// The message with its encapsulation.
     pub(super) fn finish(self) -> Vec<u8> {
         let mut message = vec![0, 1, 0, 0];
         message.extend(self.body);

@@ -17,7 +17,6 @@ const EPISODES: &str = "meta/episodes/chunk-000/file-000.parquet";
 const TASKS: &str = "meta/tasks.parquet";
 const INFO: &str = "meta/info.json";
 const STATISTICS: &str = "meta/stats.json";
-/// The features that count frames, episodes and tasks.
 const COUNTERS: [&str; 4] = ["frame_index", "episode_index", "index", "task_index"];
 
 impl PlannedMotion {

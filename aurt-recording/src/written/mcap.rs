@@ -52,7 +52,6 @@ impl<'a> McapWriter<'a> {
         self.file.add_channel(schema, name, "cdr", facts).map_err(|error| failed(self.path, &error))
     }
 
-    /// Adds a message at its time.
     pub(super) fn message(
         &mut self,
         channel_id: u16,
@@ -64,7 +63,6 @@ impl<'a> McapWriter<'a> {
         self.file.write_to_known_channel(&header, message).map_err(|error| failed(self.path, &error))
     }
 
-    /// The bytes of the file.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, RecordingError> {
         self.file.finish().map_err(|error| failed(self.path, &error))?;
         Ok(self.file.into_inner().into_inner())

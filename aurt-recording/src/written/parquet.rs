@@ -67,7 +67,6 @@ impl TableColumn<'_> {
         column.with_logical_type(Some(LogicalType::List)).with_fields(vec![Arc::new(list)]).build()
     }
 
-    /// Writes the first rows.
     fn write(
         &self,
         rows: usize,

@@ -17,7 +17,6 @@ fn read(path: &Path, memory_bytes: u64) -> Result<usize, RecordingError> {
     read_recording(path, &options).map(|recording| recording.samples())
 }
 
-/// What would be needed, of a refusal.
 fn needed(path: &Path, memory_bytes: u64) -> u64 {
     match read(path, memory_bytes).unwrap_err() {
         RecordingError::TooLarge { needed_bytes, allowed_bytes, .. } => {

@@ -13,7 +13,6 @@ use crate::escape;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     pub title: String,
-    /// Stem of the file name.
     pub name: String,
     /// What stands below; may be empty.
     pub caption: String,
@@ -54,7 +53,6 @@ const MARGIN: f64 = 28.0;
 const LABEL: f64 = 20.0;
 const RADIUS: f64 = 9.5;
 
-/// The class of a level's colour.
 fn class(level: usize) -> &'static str {
     ["level0", "level1", "level2", "level3"][level.min(LEVELS.len())]
 }

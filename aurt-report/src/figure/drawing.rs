@@ -39,7 +39,6 @@ pub enum Sample {
     /// The mark of the noise floor across a bar.
     Mark,
     Window,
-    /// A joint at some level.
     Level(&'static str),
 }
 
@@ -51,7 +50,6 @@ impl Sample {
     }
 }
 
-/// The drawing of a legend's entry.
 pub fn sample(sample: Sample) -> String {
     match sample {
         Sample::Line(class) => format!("<path class=\"line {class}\" d=\"M1 6L25 6\"/>"),

@@ -21,11 +21,9 @@ pub enum Figure {
     /// Series or clouds of points over a coordinate.
     Plot(Plot),
     Bars(Bars),
-    /// An arm with coloured joints.
     Arm(Arm),
 }
 
-/// Where a drawing goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Into a page, whose style and script see it.
@@ -60,7 +58,6 @@ impl Figure {
         matches!(self, Self::Bars(_) | Self::Arm(_))
     }
 
-    /// The figure as an element of a page.
     pub(crate) fn to_html(&self) -> String {
         let (svg, title, caption, legend) = match self {
             Self::Plot(plot) => (plot.draw(Target::Page), &plot.title, &plot.caption, plot.legend()),

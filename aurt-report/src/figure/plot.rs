@@ -18,7 +18,6 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A coordinate with its unit.
     pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into() }
     }
@@ -52,22 +51,18 @@ pub struct Panel {
     pub y: Axis,
     /// Height of the panel, in units of a drawing that is 720 wide (340 if small).
     pub height: f64,
-    /// Layers, the lowest first.
     pub layers: Vec<Layer>,
     /// Stretches that are set off.
     pub windows: Vec<Window>,
 }
 
-/// Panels over one coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     pub title: String,
-    /// Stem of its file name.
     pub name: String,
     /// What stands below it; may be empty.
     pub caption: String,
     pub x: Axis,
-    /// The panels, from above.
     pub panels: Vec<Panel>,
     /// Plots of one link show the same part of the coordinate.
     pub link: Option<String>,

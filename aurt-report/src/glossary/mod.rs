@@ -21,7 +21,6 @@ static TERMS: LazyLock<Vec<Term>> = LazyLock::new(|| {
     terms.collect()
 });
 
-/// All terms, sorted by name.
 pub fn terms() -> &'static [Term] {
     &TERMS
 }

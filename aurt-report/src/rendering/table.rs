@@ -2,7 +2,6 @@
 
 use super::text::{WIDTH, lines};
 
-/// A table under construction.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
     groups: Vec<(usize, String)>,
@@ -18,7 +17,6 @@ const LEAST_REMARK: usize = 14;
 const GAP: usize = 2;
 
 impl Table {
-    /// A table with these column titles.
     pub fn new<S: Into<String>>(header: impl IntoIterator<Item = S>) -> Self {
         Self { header: header.into_iter().map(Into::into).collect(), ..Self::default() }
     }
@@ -29,7 +27,6 @@ impl Table {
         self
     }
 
-    /// Aligns the first `columns` columns to the left.
     pub fn left(mut self, columns: usize) -> Self {
         self.left_aligned = columns;
         self
@@ -41,7 +38,6 @@ impl Table {
         self
     }
 
-    /// Whether there is no row.
     pub const fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

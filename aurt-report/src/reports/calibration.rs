@@ -17,7 +17,6 @@ use crate::{
     table::{Cell, Table},
 };
 
-/// The page of a calibration in memory.
 pub fn of_outcome(Outcome { calibrated, recordings, .. }: &Outcome) -> Page {
     let CalibratedModel { model, calibration, .. } = calibrated;
     let results = Results { model, calibration, notes: &[], recordings };

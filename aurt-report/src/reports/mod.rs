@@ -8,5 +8,4 @@ mod essential;
 pub mod figures;
 pub mod parts;
 
-/// Name of a report in its folder.
 pub const FILE: &str = "report.html";

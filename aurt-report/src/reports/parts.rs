@@ -113,7 +113,6 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
     ]
 }
 
-/// Version and seeds.
 pub fn program(command: &str) -> Vec<(String, String)> {
     vec![
         entry("Program", format!("aurt {}, command {command}", env!("CARGO_PKG_VERSION"))),

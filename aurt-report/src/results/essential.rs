@@ -31,7 +31,6 @@ pub fn to_text(report: &EssentialReport) -> String {
     )
 }
 
-/// The eliminations that were made, and some that were not.
 pub fn shown(report: &EssentialReport) -> impl Iterator<Item = &EssentialStep> {
     let made = report.steps.iter().filter(|s| s.eliminated).count();
     report.steps.iter().take(made + SHOWN_BEYOND)

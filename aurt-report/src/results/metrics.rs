@@ -24,12 +24,10 @@ pub struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// Names of the robot's joints and links.
     pub fn names(&self) -> RobotNames<'_> {
         self.model.names()
     }
 
-    /// The contents of `metrics.json`.
     pub fn to_json(&self) -> Value {
         let Calibration { options, .. } = self.calibration;
         let mut document = json!({
@@ -231,7 +229,6 @@ impl Results<'_> {
     }
 }
 
-/// Rows per joint, as one number where all joints have the same.
 fn rows(samples_per_joint: &[usize]) -> String {
     match (samples_per_joint.iter().min(), samples_per_joint.iter().max()) {
         (Some(least), Some(most)) if least != most => format!("{least} to {most}"),

@@ -18,12 +18,10 @@ use crate::{
     },
 };
 
-/// What a terminal shows of a verdict.
 #[derive(Debug, Clone, Copy)]
 pub struct Shown<'a> {
     pub verdict: &'a Verdict,
     pub asked: Asked,
-    /// Symbol of the measurement's unit.
     pub unit: &'a str,
     /// What was held out, with its part of the recording.
     pub held_out: &'a [String],
@@ -138,7 +136,6 @@ impl Shown<'_> {
         let _ = write!(text, "\n{}", table.render());
     }
 
-    /// The first indications, and how many more there are.
     fn indications(&self, text: &mut String) {
         let all = all_indicated(self.verdict, self.asked);
         for indication in all.iter().take(SHOWN_INDICATIONS) {

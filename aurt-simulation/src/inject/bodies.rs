@@ -67,7 +67,6 @@ pub(super) fn body(added: &Added) -> Option<LinkBody> {
     Some(LinkBody { mass_kg: added.size, com_m: *com_m, inertia_at_com_kg_m2: [i, 0.0, 0.0, i, 0.0, i] })
 }
 
-/// Roll and pitch of a tilt.
 pub(super) fn tilt(added: &Added) -> Option<BaseTilt> {
     let Law::BaseTilt { direction_rad } = &added.law else { return None };
     let (sin, cos) = (libm::sin(*direction_rad), libm::cos(*direction_rad));

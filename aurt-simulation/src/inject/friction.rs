@@ -4,7 +4,6 @@ use super::law::{Added, Law};
 use super::scene::Scene;
 use super::scene::direction;
 
-/// The torque of a law of friction.
 pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {
     let mut torques = scene.nothing();
     let j = added.joint;

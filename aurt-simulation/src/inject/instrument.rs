@@ -6,7 +6,6 @@ use super::law::{Added, Law};
 use super::scene::Scene;
 use crate::random::Random;
 
-/// The difference that a law of the instrument makes.
 pub(super) fn torque(added: &Added, scene: &Scene, measured: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut torques = scene.nothing();
     let j = added.joint;
@@ -85,7 +84,6 @@ pub(super) fn begin_late(recording: &mut Recording, delay_s: f64) {
     retain(recording, |k| kept[k]);
 }
 
-/// Keeps some rows.
 fn retain(recording: &mut Recording, is_kept: impl Fn(usize) -> bool) {
     let keep = |series: &mut Vec<f64>| {
         let mut row = 0;

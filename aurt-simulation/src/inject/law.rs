@@ -187,7 +187,6 @@ impl Added {
         matches!(self.law, Law::ExternalContact { .. })
     }
 
-    /// Size with its sign.
     pub(super) fn signed(&self) -> f64 {
         self.sign * self.size
     }

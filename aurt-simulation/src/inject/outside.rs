@@ -6,7 +6,6 @@ use crate::error::SimulationError;
 
 /// A contact takes this long to build up and to end, s.
 const EDGE_S: f64 = 0.1;
-/// A sticking window's edges, rad.
 const EDGE_RAD: f64 = 0.02;
 
 /// The torque of a contact or an unknown effect.

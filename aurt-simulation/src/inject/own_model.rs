@@ -116,12 +116,6 @@ impl OwnModel {
         &self.left_rms
     }
 
-    /// The structure.
-    #[must_use]
-    pub const fn structure(&self) -> &Structure {
-        &self.structure
-    }
-
     /// The rows of a recording.
     ///
     /// # Errors

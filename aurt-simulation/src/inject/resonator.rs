@@ -1,6 +1,5 @@
 //! The answer of a resonator, ω²/(s² + 2ζωs + ω²), to a series at uneven stamps.
 
-/// Steps of the integration per radian of the resonator.
 const STEPS_PER_RADIAN: f64 = 8.0;
 /// Faster resonators are not followed, rad/s: they answer like rigid joints up to every cut-off in use (500 Hz).
 const FASTEST_RAD_S: f64 = 3000.0;

@@ -64,7 +64,6 @@ impl Scene {
         direction(self.motion.velocity_rad_s[joint][sample])
     }
 
-    /// No torque on any joint.
     pub(super) fn nothing(&self) -> Vec<Vec<f64>> {
         vec![vec![0.0; self.samples()]; self.joints()]
     }

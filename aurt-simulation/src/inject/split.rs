@@ -124,7 +124,6 @@ const fn role_counts(recordings: usize, presence: Presence) -> Option<(usize, us
     }
 }
 
-/// The subsets of a size, in lexicographic order.
 fn subsets(of: &[usize], size: usize) -> Vec<Vec<usize>> {
     if size == 0 {
         return vec![Vec::new()];

@@ -44,7 +44,6 @@ impl ModelDrive {
         self.motion().view().time_s()
     }
 
-    /// Angles and velocities at the start.
     pub(super) fn start(&self) -> (Vec<f64>, Vec<f64>) {
         let view = self.motion().view();
         let first = |series: &[f64]| series.first().copied().unwrap_or(0.0);
@@ -71,7 +70,6 @@ impl ModelDrive {
         }
     }
 
-    /// The commanded angle.
     pub(super) fn commanded_rad(&self, time_s: f64, joint: usize) -> Option<f64> {
         match self {
             Self::Torques { .. } => None,
@@ -79,7 +77,6 @@ impl ModelDrive {
         }
     }
 
-    /// What the drives deliver.
     pub(super) fn torque(
         &self,
         time_s: f64,

@@ -25,7 +25,6 @@ use torque::Torque;
 
 /// Half the width of the velocities that count as rest, rad/s.
 pub const REST_RAD_S: f64 = 2e-4;
-/// Longest step, s.
 const LONGEST_STEP_S: f64 = 1e-3;
 /// γ of the method, 1 − 1/√2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -138,7 +137,6 @@ impl MovingModel<'_> {
     }
 }
 
-/// A state of motion.
 #[derive(Debug, Clone)]
 struct At {
     time_s: f64,
@@ -147,7 +145,6 @@ struct At {
     a: Vec<f64>,
 }
 
-/// Takes steps.
 struct Stepper<'a, 'm> {
     torque: Torque<'m>,
     drive: &'a ModelDrive,

@@ -28,7 +28,6 @@ pub struct DriveRipple {
 }
 
 impl DriveRipple {
-    /// The ripple at a shaft angle, Nm.
     pub(super) fn at(&self, angle_rad: f64) -> f64 {
         if self.amplitude_nm == 0.0 {
             return 0.0;

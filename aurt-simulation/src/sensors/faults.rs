@@ -28,7 +28,6 @@ pub struct CorruptRows {
 /// Mean length of a burst of missing or held rows.
 const BURST_ROWS: f64 = 5.0;
 
-/// What happens to one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fate {
     Written,

@@ -60,7 +60,6 @@ impl Default for Logger {
 
 /// Highest rate of a logger, Hz: two rows for every sample of the traces, which cubics between them resolve.
 const FASTEST_HZ: f64 = 2.0 / TRACE_STEP_S;
-/// Standard deviation of the noise of logged velocities, rad/s.
 const VELOCITY_NOISE_RAD_S: f64 = 1e-3;
 
 /// A recording as a logger wrote it: row after row.

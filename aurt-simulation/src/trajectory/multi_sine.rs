@@ -190,7 +190,6 @@ impl MultiSine {
         self.sum(joint, libm::sin(omega * time_s), libm::cos(omega * time_s))
     }
 
-    /// The same from sine and cosine of the fundamental.
     fn sum(&self, joint: usize, sine: f64, cosine: f64) -> [f64; 3] {
         let amplitudes = &self.amplitude_rad[joint * self.harmonics..(joint + 1) * self.harmonics];
         let (mut q, mut qd, mut qdd) = (self.centre_rad[joint], 0.0, 0.0);

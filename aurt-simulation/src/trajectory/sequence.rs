@@ -31,7 +31,6 @@ impl Robot {
     }
 }
 
-/// Shortest way, s.
 pub(super) const SHORTEST_WAY_S: f64 = 0.2;
 
 impl Trajectory {

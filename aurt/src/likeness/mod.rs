@@ -12,13 +12,10 @@ use std::{fmt, ops::Range};
 use aurt_recording::median_step_s;
 use overlay::{Cursor, Overlay, linear};
 
-/// Fewest rows of a recording that are compared.
 const FEWEST_ROWS: usize = 16;
-/// Rows of a piece.
 const PIECE_ROWS: usize = 128;
 /// Fewest pieces of a recording that are kept, if it has as many.
 const PIECES: usize = 24;
-/// Most pieces of a recording that are kept.
 const MOST_PIECES: usize = 256;
 /// Time between pieces of a long recording, s.
 const APART_S: f64 = 10.0;

@@ -10,7 +10,6 @@ use aurt_plugins::Registry;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// The project's pages.
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(ROOT);
     let mut pages: Vec<PathBuf> =
@@ -97,7 +96,6 @@ fn links_lead_somewhere() {
     }
 }
 
-/// A heading as links name it.
 fn as_anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
     text.chars()

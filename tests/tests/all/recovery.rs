@@ -3,12 +3,10 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, calibrate};
-use aurt_plugins::Registry;
-use aurt_plugins::model::RigidBodyDynamics;
-use aurt_rbd::{ChainDynamics, INERTIAL_PARAMETERS, MdhRows, MdhTable, SerialChain};
+use aurt_plugins::model::{Friction, RigidBodyDynamics};
+use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, Recording, preprocess};
-use aurt_traits::{CoulombModel, HysteresisModel, JointStack, MeasurementUnit, ViscousBasis};
-use serde_json::json;
+use aurt_traits::MeasurementUnit;
 
 const SEEDS: u64 = 150;
 const RATE_HZ: f64 = 250.0;
@@ -73,42 +71,19 @@ fn clean(dynamics: &mut ChainDynamics) -> Recording {
 
 #[test]
 fn intervals_of_95_percent_hold_the_truth_that_often() {
-    let registry = Registry::linked().unwrap();
     let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
     let gravity = [0.0, 0.0, -9.81];
-    let body = |mass: f64, com: [f64; 3]| -> [f64; INERTIAL_PARAMETERS] {
-        let [x, y, z] = com;
-        let own = 0.02 * mass;
-        [
-            own + mass * (y * y + z * z),
-            -mass * x * y,
-            -mass * x * z,
-            own + mass * (x * x + z * z),
-            -mass * y * z,
-            own + mass * (x * x + y * y),
-            mass * x,
-            mass * y,
-            mass * z,
-            mass,
-        ]
+    let body = |mass_kg: f64, com_m: [f64; 3]| {
+        let own = 0.02 * mass_kg;
+        LinkBody { mass_kg, com_m, inertia_at_com_kg_m2: [own, 0.0, 0.0, own, 0.0, own] }
+            .standard_parameters()
     };
     let standard: Vec<f64> =
         [body(7.8, [0.02, 0.0, 0.04]), body(12.9, [-0.3, 0.01, 0.15]), body(8.0, [-0.25, 0.02, 0.05])]
             .concat();
     let mut dynamics =
         ChainDynamics::new(SerialChain::from_mdh(&table, gravity).unwrap(), &standard).unwrap();
-    let stacks = (0..3)
-        .map(|_| {
-            JointStack::new(
-                registry.build_from_json::<dyn CoulombModel>(&json!({"model": "constant"})).unwrap(),
-                registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
-                registry
-                    .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))
-                    .unwrap(),
-            )
-            .unwrap()
-        })
-        .collect();
+    let stacks = (0..3).map(|_| Friction::default().stack().unwrap()).collect();
     let rigid = RigidBodyDynamics::from_mdh(&table, gravity, 0).unwrap();
     let mut truth = rigid.base.values(&standard);
     for j in 0..3 {

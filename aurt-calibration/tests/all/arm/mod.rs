@@ -9,7 +9,6 @@ use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{ArmTerm, JointStack, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
-/// Length of the first link in m.
 const LENGTH_M: f64 = 0.5;
 const GRAVITY_M_S2: f64 = 9.81;
 

@@ -1,6 +1,7 @@
 //! Which coefficients of a model a motion can determine.
 
 use aurt_calibration::{System, condition_number};
+use aurt_rbd::{Elimination, eliminate};
 
 /// A column counts as dependent on others if less than this share of its length is its own. The standard deviation
 /// of its coefficient is then at least a thousand times what it would be alone: with a thousand rows, and noise of
@@ -9,7 +10,6 @@ const PRACTICAL_ZERO: f64 = 1e-3;
 /// Columns that take part in a combination with less than this share of the largest do not matter to it.
 const DUST: f64 = 1e-2;
 
-/// What a motion says of one coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Excitation {
     /// It is determined. The share of its column that no combination of the others can imitate, (0, 1].
@@ -38,53 +38,22 @@ pub struct Excited {
 pub fn judge(system: &System) -> Excited {
     let columns = stacked(system);
     let n = columns.len();
-    let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
-    let longest = lengths.iter().copied().fold(0.0, f64::max);
-    let mut kept: Vec<usize> = Vec::new();
-    let mut q: Vec<Vec<f64>> = Vec::new();
-    let mut r: Vec<Vec<f64>> = Vec::new();
+    let done = eliminate(&columns, 0..n, 1e-12, PRACTICAL_ZERO);
+    let kept = &done.kept;
     let mut partners: Vec<Vec<usize>> = vec![Vec::new(); n];
-    let mut silent = vec![false; n];
-    for k in 0..n {
-        if lengths[k] <= 1e-12 * longest || lengths[k] == 0.0 {
-            silent[k] = true;
-            continue;
-        }
-        let mut rest: Vec<f64> = columns[k].iter().map(|v| v / lengths[k]).collect();
-        let mut row = vec![0.0; q.len()];
-        for _ in 0..2 {
-            for (direction, share) in q.iter().zip(&mut row) {
-                let projection = dot(direction, &rest);
-                *share += projection;
-                rest.iter_mut().zip(direction).for_each(|(v, d)| *v -= projection * d);
-            }
-        }
-        let own = dot(&rest, &rest).sqrt();
-        if own > PRACTICAL_ZERO {
-            rest.iter_mut().for_each(|v| *v /= own);
-            row.push(own);
-            q.push(rest);
-            r.push(row);
-            kept.push(k);
-        } else {
-            let factors = solve_triangle(&r, row);
-            let largest = factors.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
-            let group: Vec<usize> = kept
-                .iter()
-                .zip(&factors)
-                .filter(|(_, f)| f.abs() > DUST * largest)
-                .map(|(k, _)| *k)
-                .chain([k])
-                .collect();
-            for member in &group {
-                partners[*member].extend(group.iter().filter(|g| *g != member));
-            }
+    for (k, factors) in &done.dependent {
+        let largest = factors.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let matters = kept.iter().zip(factors).filter(|(_, f)| f.abs() > DUST * largest);
+        let group: Vec<usize> = matters.map(|(k, _)| *k).chain([*k]).collect();
+        for member in &group {
+            partners[*member].extend(group.iter().filter(|g| *g != member));
         }
     }
-    let inverse = inverse_rows(&r);
+    let variances = variances(&done);
     let coefficients = (0..n)
         .map(|k| {
-            if silent[k] {
+            let place = kept.iter().position(|c| *c == k);
+            if place.is_none() && done.dependent.iter().all(|(dependent, _)| *dependent != k) {
                 return Excitation::Silent;
             }
             if !partners[k].is_empty() {
@@ -93,12 +62,10 @@ pub fn judge(system: &System) -> Excited {
                 with.dedup();
                 return Excitation::Combined(with);
             }
-            let place = kept.iter().position(|c| *c == k);
-            // The variance of a coefficient of unit-length columns is the squared length of its row of R⁻¹.
-            Excitation::Own(place.map_or(0.0, |p| 1.0 / dot(&inverse[p], &inverse[p]).sqrt()))
+            Excitation::Own(place.map_or(0.0, |p| 1.0 / variances[p].sqrt()))
         })
         .collect();
-    Excited { coefficients, rank: kept.len(), condition_number: condition(&r) }
+    Excited { coefficients, rank: kept.len(), condition_number: condition(&done.triangle) }
 }
 
 /// The columns of the observation matrix as far as least squares can see them: the joints' triangles, one below
@@ -119,33 +86,15 @@ fn stacked(system: &System) -> Vec<Vec<f64>> {
     columns
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// x with R x = b, R by columns.
-fn solve_triangle(r: &[Vec<f64>], mut b: Vec<f64>) -> Vec<f64> {
-    for row in (0..b.len()).rev() {
-        b[row] /= r[row][row];
-        for above in 0..row {
-            b[above] -= r[row][above] * b[row];
-        }
-    }
-    b
-}
-
-/// R⁻¹ by rows, R by columns.
-fn inverse_rows(r: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = r.len();
-    let mut rows = vec![vec![0.0; n]; n];
-    for k in 0..n {
+/// Variances of the coefficients of unit-length columns: the squared lengths of the rows of R⁻¹.
+fn variances(done: &Elimination) -> Vec<f64> {
+    let mut variances = vec![0.0; done.kept.len()];
+    for k in 0..done.kept.len() {
         let mut unit = vec![0.0; k + 1];
         unit[k] = 1.0;
-        for (row, value) in solve_triangle(r, unit).into_iter().enumerate() {
-            rows[row][k] = value;
-        }
+        variances.iter_mut().zip(done.solve(unit)).for_each(|(variance, x)| *variance += x * x);
     }
-    rows
+    variances
 }
 
 /// The condition number of R, by columns.

@@ -21,15 +21,12 @@ pub struct JointReport {
     pub reversals: usize,
     /// 99.9 % of the power of its velocity lies below this, Hz.
     pub bandwidth_hz: Option<f64>,
-    /// Resolution of its angles, rad.
     pub position_step_rad: Option<f64>,
-    /// White noise of its angles, rad.
     pub position_noise_rad: Option<f64>,
     /// What was measured; absent without measurement.
     pub measurement: Option<MeasurementReport>,
 }
 
-/// A joint's measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasurementReport {
     /// Smallest and largest value.
@@ -84,7 +81,6 @@ impl JointReport {
     }
 }
 
-/// The f_dyn that suits recordings of such joints.
 pub fn suitable_f_dyn_hz<'j>(joints: impl IntoIterator<Item = &'j JointReport>, rate_hz: f64) -> Option<f64> {
     let top_hz = joints.into_iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
     aurt_recording::suitable_f_dyn_hz(top_hz, rate_hz)

@@ -26,7 +26,6 @@ pub struct Judged {
     pub warnings: Vec<String>,
 }
 
-/// A model by its table.
 pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
     registry.build_from_json(&table).map_err(Into::into)
 }
@@ -41,7 +40,6 @@ pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
     .map_err(Into::into)
 }
 
-/// The same with friction that grows with the load.
 pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
         build::<dyn CoulombModel>(registry, json!({ "model": "absolute" }))?,
@@ -140,7 +138,6 @@ impl Judged {
         }
     }
 
-    /// The names of the parameters that `choose` takes.
     fn names(&self, choose: impl Fn(&Excitation) -> bool) -> Vec<&str> {
         let parameters = self.model.parameters().iter().zip(&self.excited.coefficients);
         parameters.filter(|(_, e)| choose(e)).map(|(p, _)| p.name.as_str()).collect()
@@ -151,7 +148,6 @@ impl Judged {
         self.names(|e| *e == Excitation::Silent)
     }
 
-    /// Parameters that are determined in combinations only.
     pub fn combined(&self) -> Vec<&str> {
         self.names(|e| matches!(e, Excitation::Combined(_)))
     }

@@ -18,7 +18,6 @@ const LARGE_TORQUE_NM: f64 = 1e4;
 /// Two series of which this much is alike are one.
 const ALIKE: f64 = 1e-9;
 
-/// What should be heeded of a recording's columns.
 pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
     let mut said = Vec::new();
     let names = RobotNames::of_joints(recording.joints.names());

@@ -48,7 +48,6 @@ impl Evidence {
         deviation.is_finite().then_some(Self { gain, deviation, batches })
     }
 
-    /// The same with the setups exchanged.
     #[must_use]
     pub fn reversed(self) -> Self {
         Self { gain: -self.gain, ..self }

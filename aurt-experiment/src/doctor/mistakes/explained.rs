@@ -23,7 +23,6 @@ pub struct Poor {
     pub joint: usize,
     /// What of it is explained: 1 − Σe²/Σy² over the rows at which it moves, 0 at least.
     pub explained: f64,
-    /// The recording, by its place.
     pub file: usize,
     pub recording: String,
     /// From when to when, s from the first stamp; all of the recording without.

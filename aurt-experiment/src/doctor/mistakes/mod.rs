@@ -57,17 +57,14 @@ use crate::doctor::inspection::judged::{
 };
 use crate::workbench::failure::Failure;
 
-/// What the doctor found.
 #[derive(Debug, Clone)]
 pub struct Examination {
     /// Errors of the setup as it is written; nothing if it allows no fit.
     pub written: Option<Score>,
     /// Errors of the same setup with rotors and offsets, which experiments often leave out and all trials have.
     pub before: Option<Score>,
-    /// How well it does with all mistakes undone.
     pub after: Option<Score>,
     pub steps: Vec<Step>,
-    /// Fits that were tried.
     pub trials: usize,
     compared: Vec<found::Compared>,
     /// What stays hardly explained in recordings, where no calibrated model says so.
@@ -177,7 +174,6 @@ impl Examination {
         })
     }
 
-    /// What undoes each mistake, as orders.
     pub fn cures(&self) -> Vec<String> {
         self.steps.iter().map(|s| wording::undone(&s.mistake, self.names())).collect()
     }
@@ -248,7 +244,6 @@ impl Examination {
 }
 
 impl Examination {
-    /// What is said if nothing was found.
     pub const fn nothing(&self) -> &'static str {
         if self.compares_robots {
             "no common mistake explains more"

@@ -78,7 +78,6 @@ pub fn hardly_explained(subject: &Subject, bench: &Bench, whole: &Setup) -> Vec<
     setup.files().iter().flat_map(of_file).collect()
 }
 
-/// All rows of a recording under a fit.
 fn rows_of(bench: &Bench, setup: &Setup, fit: &Fit, file: usize) -> Option<FittedRows> {
     let mut all = FittedRows { time_s: Vec::new(), joints: vec![Vec::new(); setup.moving_joints()] };
     for part in setup.parts.iter().filter(|p| p.file == file) {
@@ -156,7 +155,6 @@ fn ends(setup: &Setup, file: usize) -> Vec<Setup> {
     [0, last].into_iter().filter_map(alone).collect()
 }
 
-/// Mistakes of a whole recording that have to do with some joints.
 fn of_recording(count: usize, joints: &[usize], file: usize) -> Vec<Mistake> {
     let mut readings = vec![Reading::Degrees, Reading::Turns];
     readings.extend(joints.iter().map(|j| Reading::PositionSign(*j)));

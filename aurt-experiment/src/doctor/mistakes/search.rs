@@ -18,7 +18,6 @@ use super::{
 const FINE: f64 = 0.2;
 /// The same over all joints, where a calibrated model explains each of them.
 const DOUBTFUL: f64 = 0.5;
-/// First mistakes of pairs.
 const PAIRED: usize = 4;
 /// Pairs are tried where the error is at least this.
 const PAIRS_FROM: f64 = 0.4;
@@ -56,7 +55,6 @@ impl Attempt {
     }
 }
 
-/// What a test of a setup came to.
 enum Tested {
     Told,
     /// Stretches of recordings are less likely with it, or it could be any number.
@@ -79,7 +77,6 @@ pub enum Thorough {
     AnyJoint,
     /// If that over all joints is at least 50 %; below, none is tried.
     AllJoints,
-    /// In any case.
     Always,
 }
 

@@ -38,11 +38,9 @@ const HIGHEST_F_DYN_HZ: f64 = 5.0;
 /// A robot with recordings of it, as a user has set them up.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// Links and joints, as they are used.
     pub joints: Vec<Joint>,
     /// How each of them moves; empty where none follows another.
     pub couplings: Vec<Coupling>,
-    /// The table that they are from, if they are from one.
     pub table: Option<MdhTable>,
     /// The name of the robot, if it is known by name.
     pub name: Option<String>,
@@ -53,12 +51,10 @@ pub struct Subject {
     pub instrument: Instrument,
     /// What the model has beside rigid bodies and friction.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
-    /// In which recordings each of them acts.
     pub scopes: TermScopes,
 }
 
 impl Subject {
-    /// A robot given by a table.
     pub fn of_table(
         table: &MdhTable,
         gravity_m_s2: [f64; 3],
@@ -104,7 +100,6 @@ impl Subject {
         })
     }
 
-    /// The robot and the recordings of an experiment.
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
         let geometry = &experiment.robot.geometry;
         let rigid_body = experiment.robot.rigid_body()?;
@@ -147,7 +142,6 @@ impl Subject {
         self.recordings.first().map_or(&[], |assigned| assigned.loaded.recording.joints.names())
     }
 
-    /// Number of joints that move on their own.
     pub(super) fn moving_joints(&self) -> usize {
         moving_joints(&self.joints, &self.couplings)
     }
@@ -175,7 +169,6 @@ pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> 
         .collect()
 }
 
-/// How much of recordings is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// The beginnings, as many samples of all recordings of a role as of one: for many trials.
@@ -193,7 +186,6 @@ pub struct Setup {
     pub couplings: Vec<Coupling>,
     /// Gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
-    /// The recordings' parts.
     pub parts: Vec<Part>,
     pub undone: Vec<Mistake>,
     /// The model of these links and joints, once it was asked for; nothing in it if there is none.
@@ -308,7 +300,6 @@ impl Setup {
         })
     }
 
-    /// Number of joints that move on their own.
     pub fn moving_joints(&self) -> usize {
         moving_joints(&self.joints, &self.couplings)
     }
@@ -360,11 +351,8 @@ fn speeds_rad_s(recording: &Recording) -> Vec<Vec<f64>> {
     recording.position_rad.iter().map(of).collect()
 }
 
-/// How a recording is thinned.
 struct Thin {
-    /// Samples that become one.
     together: usize,
-    /// Of the thinned samples, those that are kept.
     most: usize,
     f_dyn_hz: f64,
 }

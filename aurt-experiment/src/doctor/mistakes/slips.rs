@@ -11,7 +11,6 @@ const ABRUPT: f64 = 5.0;
 /// Factor between the speed of a leap and the largest elsewhere in the recording.
 const FASTER: f64 = 3.0;
 
-/// A leap of a position.
 struct Slip {
     row: usize,
     size_rad: f64,

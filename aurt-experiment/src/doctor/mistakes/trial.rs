@@ -20,14 +20,12 @@ const FED_SHARE: f64 = 0.1;
 /// A joint that moves for less than this share of the time counts as resting.
 const LEAST_MOVING: f64 = 0.1;
 
-/// What all trials have in common.
 #[derive(Debug, Clone)]
 pub struct Bench {
     /// Friction of a joint: a Coulomb coefficient and a viscous one.
     pub friction: JointStack,
     /// What the model has beside, with what experiments often leave out.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
-    /// In which recordings each of them acts.
     pub scopes: TermScopes,
     /// Friction that grows with the load too.
     pub loaded_friction: JointStack,
@@ -41,7 +39,6 @@ pub struct Bench {
 
 pub struct Fit {
     model: Arc<RobotModel>,
-    /// Those of all joints, or of each.
     coefficients: Vec<Vec<f64>>,
     load: LoadTorque,
     fed: Vec<bool>,
@@ -62,7 +59,6 @@ pub struct Score {
     /// Per joint, root mean square of the held-out error over that of the measurement; nothing for a joint that measures
     /// nothing.
     pub joints: Vec<Option<f64>>,
-    /// Whether each joint moves in what judges.
     pub moving: Vec<bool>,
     /// Whether the friction that fits a joint feeds power into it.
     pub fed: Vec<bool>,
@@ -140,7 +136,6 @@ impl Bench {
         self.judge(setup, &self.fit(setup)?)
     }
 
-    /// Fits the parts that are fitted.
     pub fn fit(&self, setup: &Setup) -> Option<Fit> {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;

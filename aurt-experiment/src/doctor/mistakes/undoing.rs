@@ -8,7 +8,6 @@ use super::mistake::{Mistake, Reading, Table};
 use super::setup::{Part, Setup};
 
 impl Mistake {
-    /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
         let mut undone = setup.undone.clone();
         undone.push(self.clone());

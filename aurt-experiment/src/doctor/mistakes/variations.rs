@@ -40,7 +40,6 @@ impl Mistake {
     }
 }
 
-/// Gravity turned by an angle to all sides.
 fn turned(g: [f64; 3], angle_rad: f64) -> Vec<Mistake> {
     let size = g.iter().map(|v| v * v).sum::<f64>().sqrt();
     let mut all = Vec::new();

@@ -65,7 +65,6 @@ pub fn list(values: &[f64]) -> String {
     format!("[{}]", numbers.join(", "))
 }
 
-/// A number with what digits matter.
 pub fn number(value: f64) -> String {
     let rounded = (value * 1e4).round() / 1e4;
     if rounded == 0.0 || value.abs() < 1e-2 { significant(value, 4) } else { format!("{rounded}") }
@@ -286,7 +285,6 @@ fn times(factor: f64) -> String {
     format!("{} times", significant(factor, 3))
 }
 
-/// `+z` for a vector along an axis.
 fn axis(vector: [f64; 3]) -> Option<String> {
     let along: Vec<usize> = (0..3).filter(|k| vector[*k] != 0.0).collect();
     let [one] = along[..] else { return None };

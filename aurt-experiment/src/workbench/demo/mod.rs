@@ -75,7 +75,6 @@ fn concealed() -> Box<dyn Effect> {
     Box::new(Payload { link: 5, mass_kg: 2.0, com_m: [0.02, -0.03, 0.08], edges_m: [0.1, 0.08, 0.12] })
 }
 
-/// The same in words.
 pub const CONCEALED: &str = "a load of 2 kg, fixed to link 5";
 
 /// The true values of those parameters of the experiment's model that are no inertial ones, by name.

@@ -10,7 +10,6 @@ use serde_json::{Map, Value};
 
 use crate::workbench::failure::Failure;
 
-/// Drives and joints that others fitted.
 pub(super) struct Fit {
     pub kind: &'static str,
     /// One for each joint; surroundings (stops, loads) are not part of it.
@@ -61,7 +60,6 @@ pub(super) fn read(path: &Path, parameters: Option<&Path>, joints: &RobotJoints)
     }
 }
 
-/// Corrects drives by the parameters that are theirs.
 fn correct(fit: &mut Fit, parameters: &ParameterFile, names: &[String]) {
     let mut used = Vec::new();
     for (joint, (servo, _)) in names.iter().zip(&mut fit.joints) {
@@ -147,7 +145,6 @@ const SERVOS: [(&str, f64, f64); 5] = [
     ("sts321512v", 0.166, 0.97),
 ];
 
-/// Numbers of BAM's files that are used.
 const BAM_NUMBERS: [&str; 18] = [
     "kt",
     "R",
@@ -168,7 +165,6 @@ const BAM_NUMBERS: [&str; 18] = [
     "armature",
     "alpha",
 ];
-/// Those that have no counterpart.
 const BAM_UNUSED: [&str; 7] = [
     "load_friction_stribeck",
     "load_friction_motor_stribeck",

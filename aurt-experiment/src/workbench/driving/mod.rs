@@ -46,7 +46,6 @@ pub struct CalibratedDrive {
     pub drive_schema: u32,
     /// The joints' names, base first; empty where they have none.
     pub joint_names: Vec<String>,
-    /// The arm with its numbers.
     pub arm: DrivenArm,
 }
 
@@ -110,7 +109,6 @@ pub struct DriveOutcome {
 
 const REMEDY: &str = "look at the recording's command and position, and at [drive]";
 
-/// A recording with what it is called.
 struct Read {
     label: String,
     file: std::path::PathBuf,
@@ -300,7 +298,6 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     })
 }
 
-/// What is wrong with recordings, by name.
 fn doubts_of(recordings: &[Read]) -> Vec<String> {
     recordings.iter().flat_map(|r| r.doubts.iter().map(|doubt| format!("{}: {doubt}", r.label))).collect()
 }
@@ -379,7 +376,6 @@ impl Judged {
     }
 }
 
-/// Whether commands are positions.
 fn follows_positions(arm: &DrivenArm) -> bool {
     arm.joints.iter().all(|j| j.drive.command() == Command::Position)
 }

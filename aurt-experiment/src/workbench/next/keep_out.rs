@@ -35,7 +35,6 @@ impl KeepOut {
 /// The check of an arm's motions against boxes.
 #[derive(Debug)]
 pub(super) struct KeepOutCheck {
-    /// Geometry of the arm.
     pub(super) chain: SerialChain,
     pub(super) boxes: Vec<KeepOut>,
 }

@@ -27,7 +27,6 @@ use crate::workbench::failure::Failure;
 use keep_out::KeepOutCheck;
 use limits::limits_of;
 
-/// How the next motion is planned.
 #[derive(Debug, Clone)]
 pub struct NextOptions {
     pub diagnosis: DiagnosisOptions,
@@ -37,15 +36,11 @@ pub struct NextOptions {
     pub keep_out: Vec<KeepOut>,
     /// Deviations that parameters shall have at most.
     pub wanted: Vec<DeviationGoal>,
-    /// Longest duration in s.
     pub duration_s: f64,
-    /// Pieces that are drawn.
     pub draws: usize,
-    /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// The next motion, and what it would do.
 #[derive(Debug, Clone)]
 pub struct Next {
     /// The motion; none where it would settle nothing.
@@ -56,7 +51,6 @@ pub struct Next {
     pub never: Vec<(Doubt, Outlook)>,
     /// Parameters of what is claimed, now and after the motion.
     pub intervals: Vec<(Subject, Vec<Interval>)>,
-    /// Names of the joints, where they have some.
     pub joint_names: Vec<String>,
     /// The expected logarithm of the ratio of likelihoods that settles a doubt with the probability `SURE`.
     sure_nats: f64,
@@ -65,7 +59,6 @@ pub struct Next {
     pub notes: Vec<String>,
 }
 
-/// A motion that was planned.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub trajectory: Trajectory,
@@ -93,7 +86,6 @@ const FULL_PIECES: usize = 4;
 const WAY: f64 = 0.25;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
-/// Shortest time of a piece, s.
 const SHORTEST_S: f64 = 4.0;
 /// The probability of which the time is told that a doubt would take.
 const SURE: f64 = 0.9;
@@ -103,7 +95,6 @@ const SHARE: f64 = 0.8;
 /// no doubt reaches the first, since a motion that helps is better than none.
 const EVER: [f64; 2] = [0.5, 0.05];
 
-/// Plans the next motion for an experiment.
 pub fn plan_next(
     experiment: &Experiment,
     registry: &Registry,
@@ -405,7 +396,6 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// Fedorov's exchange of pieces.
 struct Exchange<'e> {
     planner: &'e Planner<'e>,
     pieces: &'e [Piece],

@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 use super::{Next, Open, Plan, SURE};
 
 impl Next {
-    /// The plan for people.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         if self.open.is_empty() {
@@ -101,7 +100,6 @@ impl Next {
         text.push_str(&format!("  largest predicted torque: {most:.2} of the largest recorded\n"));
     }
 
-    /// The plan for programs.
     pub fn to_json(&self) -> Value {
         let outlook = |o: &Outlook| {
             json!({"settled": o.settled, "wrongly": o.wrongly, "nats": o.nats, "free": o.free, "interval": o.interval.as_ref().map(

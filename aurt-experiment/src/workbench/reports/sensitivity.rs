@@ -179,7 +179,6 @@ impl Answered<'_> {
         }
     }
 
-    /// The table for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n", self.verdict().headline);
         let names = self.subject.names();

@@ -13,9 +13,7 @@ use crate::workbench::results::sweep_table::{ranges, readable};
 
 /// Points that the page has in its tables.
 const MOST: usize = 200;
-/// Points that its figure has.
 const MOST_BARS: usize = 40;
-/// Points that one sentence names.
 const MOST_NAMED: usize = 5;
 
 /// The page of a ranking; `definition` is the experiment with its section `sweep`.

@@ -26,7 +26,6 @@ pub struct DiagnosedSeries {
 type Series = Vec<Vec<f64>>;
 
 impl DiagnosedSeries {
-    /// The contents of a file.
     pub fn to_file(&self, format: SeriesFormat, verdict: &Verdict) -> Result<Vec<u8>, Failure> {
         let RecordingSeries { name, role, time_s, joints, .. } = &self.rows;
         let of = |values: fn(&JointSeriesRows) -> &Vec<f64>| -> Series {

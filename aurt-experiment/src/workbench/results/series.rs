@@ -14,7 +14,6 @@ use aurt_traits::MeasurementUnit;
 
 use crate::workbench::failure::Failure;
 
-/// How series are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesFormat {
     /// Apache Parquet, a column for each joint and quantity: pandas, Polars, DuckDB.
@@ -41,15 +40,12 @@ impl SeriesFormat {
 /// What a model says of a recording, at the recording's own stamps. Series are `[joint][sample]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// The recording's name.
     pub label: String,
     /// Stamps, s from `origin_s`.
     pub time_s: Vec<f64>,
-    /// Where they begin, whole s.
     pub origin_s: f64,
     /// Names of the joints; empty where they have none.
     pub joint_names: Vec<String>,
-    /// Positions as recorded, rad or m.
     pub position_rad: Vec<Vec<f64>>,
     /// The measurement in the unit of the model, unfiltered, gains and offsets undone, if there is one.
     pub measured: Option<Vec<Vec<f64>>>,
@@ -136,7 +132,6 @@ pub(crate) struct Written<'a> {
     /// Empty where the joints have none.
     pub joint_names: &'a [String],
     pub position_rad: &'a [Vec<f64>],
-    /// In the unit, by their names.
     pub quantities: Vec<(&'static str, &'a [Vec<f64>])>,
     /// 1 where something holds, else 0.
     pub flags: Vec<(&'static str, &'a [Vec<f64>])>,

@@ -32,7 +32,6 @@ pub fn readable(ranking: &Ranking, most: usize) -> (Ranking, Vec<String>) {
     (shown, left_out)
 }
 
-/// Ranges of numbers, the first of them where there are many.
 pub fn ranges(numbers: &[usize]) -> String {
     let all = crate::sweep::slurm::ranges(numbers);
     let parts: Vec<&str> = all.split(',').collect();

@@ -21,7 +21,6 @@ pub struct Check {
     pub unit: String,
     /// Whether a whole diagnosis names it at twice that size.
     pub named_at_double: bool,
-    /// Whether one names it at half that size.
     pub named_at_half: bool,
 }
 

@@ -7,7 +7,6 @@ pub struct Claims {
     unexplained: bool,
     /// Whether it says that something is missing that has no name.
     leaves_something: bool,
-    /// Effect and joints.
     claims: Vec<(String, Vec<usize>)>,
 }
 

@@ -28,7 +28,6 @@ pub const HALF_STEP: f64 = 1.189_207_115_002_721;
 /// A size from which on something happens.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
-    /// The size, in the row's unit.
     pub size: f64,
     /// The same in units of what the model leaves.
     pub strength: f64,

@@ -20,14 +20,12 @@ const LOST_PER_STRENGTH: f64 = 0.01;
 /// An effect of which less than this share of the wanted strength is left for the largest size is out of reach.
 const REACHED: f64 = 0.7;
 
-/// What a trial says of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Said {
     named: bool,
     noticed: bool,
 }
 
-/// One shape on one joint.
 #[derive(Debug)]
 pub struct Probe<'a> {
     trials: &'a Trials<'a>,
@@ -37,7 +35,6 @@ pub struct Probe<'a> {
     turn: f64,
     /// Size of strength 1, and its rows, of a law whose torque is in proportion to its size.
     unit: Option<(f64, AddedRows)>,
-    /// Levels that the machine can have.
     top: usize,
     said: BTreeMap<usize, Said>,
 }

@@ -35,7 +35,6 @@ pub enum Status {
     NotPossible,
 }
 
-/// An effect on a joint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     pub effect: String,
@@ -65,7 +64,6 @@ struct Limits {
     noticed: Option<Limit>,
 }
 
-/// The limits of effects on joints, each by itself.
 pub fn search(
     trials: &Trials<'_>,
     effects: &[Kind],

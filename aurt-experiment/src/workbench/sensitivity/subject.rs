@@ -22,17 +22,14 @@ pub struct Subject {
     recordings: Vec<QuestionedRecording>,
 }
 
-/// A recording in the question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Its number among those of the injection.
     pub number: usize,
     pub role: Role,
     pub affected: bool,
 }
 
 impl Subject {
-    /// Names of the robot's joints and links.
     pub fn names(&self) -> RobotNames<'_> {
         self.model.names()
     }
@@ -90,7 +87,6 @@ impl Subject {
         place.affected && (!effect.is_local() || self.split.target.first() == Some(&place.number))
     }
 
-    /// A recording of the question with effects, as read.
     pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
         let recorded = &self.injection.recorded()[place.number];
         let here: Vec<&Added> = effects.iter().copied().filter(|e| self.has(place, e)).collect();

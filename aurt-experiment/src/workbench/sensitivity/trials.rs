@@ -12,19 +12,16 @@ use aurt_simulation::inject::{Added, Kind};
 use super::{Subject, claims::Claims};
 use crate::workbench::failure::Failure;
 
-/// How an effect is diagnosed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Route {
     /// Everything but the columns, the noise and the null, which the recordings as they are give.
     Prepared,
-    /// The detectors of faults alone.
     Faults,
     /// The whole diagnosis: gears are simulated at the recordings' own rate.
     Whole,
 }
 
 impl Route {
-    /// The route of an effect.
     pub fn of(kind: &Kind) -> Self {
         match effects::find(kind.identifier).map(|e| e.means) {
             Some(Means::Samples) => Self::Faults,
@@ -44,12 +41,10 @@ pub struct Trials<'a> {
 }
 
 impl<'a> Trials<'a> {
-    /// Trials on recordings.
     pub fn new(subject: &'a Subject, prepared: &'a Prepared<'a>, registry: &'a Registry) -> Self {
         Self { subject, prepared, reference: Claims::of(prepared.verdict()), registry }
     }
 
-    /// The rows that an effect adds to the recordings.
     pub fn rows(&self, effect: &Added) -> Result<AddedRows, Failure> {
         let mut rows = self.prepared.nothing();
         for (r, place) in self.subject.places().into_iter().enumerate() {
@@ -75,7 +70,6 @@ impl<'a> Trials<'a> {
         })
     }
 
-    /// What is claimed of recordings that an effect makes faulty.
     pub fn faults(&self, effect: &Added) -> Result<Claims, Failure> {
         let places = self.subject.places().into_iter();
         let altered =
@@ -87,7 +81,6 @@ impl<'a> Trials<'a> {
         Ok(claims)
     }
 
-    /// What a whole diagnosis claims.
     pub fn whole(&self, effect: &Added) -> Result<Claims, Failure> {
         self.subject.diagnosed(&[effect], self.registry)
     }

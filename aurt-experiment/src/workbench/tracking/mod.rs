@@ -31,7 +31,6 @@ use crate::workbench::{
     failure::Failure,
 };
 
-/// How drift is followed.
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackOptions {
     /// How the recordings are read, where it is another way than the experiment's.
@@ -57,11 +56,9 @@ impl TrackOptions {
     }
 }
 
-/// A recording's drift.
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackedRecording {
     pub recording: String,
-    /// What was measured of it, s.
     pub duration_s: f64,
     /// Windows that entered the charts; a stretch that is too short for one enters the estimates only.
     pub windows: usize,
@@ -77,7 +74,6 @@ pub struct Alarm {
     pub group: DriftGroup,
     /// Its joint; none for the load.
     pub joint: Option<usize>,
-    /// That joint's name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint_name: Option<String>,
     pub parameter: String,
@@ -97,24 +93,18 @@ pub struct Tracked {
     /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
-    /// The unchanged machine.
     pub baseline: Baseline,
-    /// Recordings of the unchanged machine.
     pub baseline_recordings: Vec<String>,
-    /// Charts, and their threshold in deviations.
     pub charts: usize,
-    /// Threshold of the CUSUM, in deviations.
     pub threshold: f64,
     /// Mean number of windows between two false alarms of one chart.
     pub average_run_length_windows: f64,
-    /// The recordings, in time order.
     pub recordings: Vec<TrackedRecording>,
     /// Alarms, in the order in which they were certain.
     pub alarms: Vec<Alarm>,
     pub notes: Vec<String>,
 }
 
-/// A recording of the machine that is followed.
 #[derive(Debug, Clone)]
 pub enum Followed {
     /// A file, or [`STANDARD_INPUT`].
@@ -129,7 +119,6 @@ impl Followed {
     }
 }
 
-/// Windows are not shorter than this, s.
 pub const SHORTEST_WINDOW_S: f64 = 1.0;
 /// The name of rows that come on standard input.
 pub const STANDARD_INPUT: &str = "-";

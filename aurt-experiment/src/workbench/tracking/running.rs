@@ -12,20 +12,16 @@ use aurt_recording::{PreprocessReport, Recording, RecordingError, read_running};
 use super::{Alarm, Follower, prepared_of};
 use crate::workbench::failure::Failure;
 
-/// Rows that are read at a time.
 const ROWS: usize = 256;
 
-/// Length of the rows of the table, s.
 const TABLE_ROW_S: f64 = 600.0;
 
 /// Periods of the lower cut-off in which filters forget the ends of a piece, to e⁻⁷ of them: the slowest pole of a
 /// Butterworth filter of fourth order decays by e⁻²·⁴ in each.
 const SETTLING_PERIODS: f64 = 3.0;
 
-/// Changes of rate that are told one by one.
 const TOLD: usize = 5;
 
-/// A machine that runs on.
 pub(super) struct Running<'a> {
     follower: &'a mut Follower,
     reference: &'a DriftReference<'a>,
@@ -35,7 +31,6 @@ pub(super) struct Running<'a> {
     settling_s: f64,
     /// Rows that are not done with.
     pending: Option<Recording>,
-    /// The first stamp.
     origin_s: f64,
     /// Up to here rows have been taken in.
     done_s: f64,
@@ -151,7 +146,6 @@ impl<'a> Running<'a> {
         }
     }
 
-    /// The first stamp that is not before `stamp_s`.
     fn first_from(&self, stamp_s: f64) -> f64 {
         let time_s = self.pending.as_ref().map_or(&[][..], |p| &p.time_s);
         time_s.get(time_s.partition_point(|t| *t < stamp_s)).copied().unwrap_or(f64::INFINITY)

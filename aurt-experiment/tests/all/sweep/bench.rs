@@ -68,7 +68,6 @@ impl Bench {
         Sweep::read(&self.experiment(), &mut registry())
     }
 
-    /// Runs the sweep in a folder of the bench.
     pub fn run(&self, out: &str) -> (Plan, Summary) {
         let sweep = self.read().unwrap();
         let folder = Folder::for_sweep(&self.path(out), &sweep).unwrap();
@@ -78,7 +77,6 @@ impl Bench {
         (plan, summary)
     }
 
-    /// The results of a plan, in its order.
     pub fn results(&self, out: &str, plan: &Plan) -> Vec<PointResult> {
         let folder = Folder::planned(&self.path(out)).unwrap();
         plan.points.iter().map(|p| folder.result(&p.key).unwrap()).collect()

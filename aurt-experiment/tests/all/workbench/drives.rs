@@ -293,13 +293,21 @@ fn what_a_servo_lacks_is_named_and_exported() {
     assert_eq!(model.to_isaac("servo", None).unwrap().lost.len(), 2);
 }
 
+/// Whether the folder of public recordings is there and has these.
+fn has_data(folder: &str) -> bool {
+    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
+    let found = data.is_some_and(|data| data.join(folder).is_dir());
+    if !found {
+        println!("skipped: AURT_DATA names no folder with recordings in {folder}");
+    }
+    found
+}
+
 /// The published friction and offset are within two standard deviations, the mass within one percent: the model's misfit
 /// (asymmetric friction) is larger than the noise.
 #[test]
 fn the_published_values_of_emps_are_found_by_output_error() {
-    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
-    if data.is_none_or(|data| !data.join("emps").is_dir()) {
-        println!("skipped: AURT_DATA names no folder with recordings of EMPS");
+    if !has_data("emps") {
         return;
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/5-servo/emps.toml");
@@ -325,9 +333,7 @@ fn the_published_values_of_emps_are_found_by_output_error() {
 /// out as in the tree.
 #[test]
 fn a_held_quadruped_is_one_tree() {
-    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
-    if data.is_none_or(|data| !data.join("go2").is_dir()) {
-        println!("skipped: AURT_DATA names no folder with recordings of a Go2");
+    if !has_data("go2") {
         return;
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/6-quadruped/go2.toml");
@@ -355,9 +361,7 @@ fn a_held_quadruped_is_one_tree() {
 /// rest is determined, and larger by the same factor.
 #[test]
 fn currents_of_a_bench_leave_the_torque_constant_open() {
-    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
-    if data.is_none_or(|data| !data.join("dyno").is_dir()) {
-        println!("skipped: AURT_DATA names no folder with recordings of a dynamometer");
+    if !has_data("dyno") {
         return;
     }
     const CONSTANT: &str = "torque_constant_nm_per_a";

@@ -96,7 +96,6 @@ fn least_presliding_rad(robot: &Robot) -> Result<Vec<f64>, SimulationError> {
         .collect())
 }
 
-/// Keeps presliding soft.
 fn stay_soft(undeclared: &mut Undeclared, least_rad: &[f64]) {
     for (lacks, least) in undeclared.lacks.iter_mut().zip(least_rad) {
         if lacks.presliding_rad > 0.0 {

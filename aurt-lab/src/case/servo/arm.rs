@@ -9,7 +9,6 @@ pub(super) const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 /// How far off the description's masses and inertias are, as a share, and its centres of mass, in m.
 const WRONG: (f64, f64, f64) = (0.01, 0.05, 0.001);
 
-/// A servo with its gear.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Servo {
     pub gain_nm_per_rad: f64,

@@ -143,7 +143,6 @@ impl ServoEffect {
         }
     }
 
-    /// Its parameters by the names of verdicts.
     pub fn parameters(&self, arm: &ServoArm) -> Vec<(String, Vec<f64>)> {
         let Some((name, is_shared, value)) = self.parameter else { return Vec::new() };
         if is_shared {

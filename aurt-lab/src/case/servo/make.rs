@@ -20,7 +20,6 @@ use crate::{
 const RECORDINGS: (usize, usize, f64) = (3, 4, 12.0);
 /// The expected error of positions that experiments state, in rad.
 const DEVIATION_RAD: f64 = 0.002;
-/// Halvings of the range of sizes.
 const HALVINGS: usize = 8;
 /// Share of experiments that give the gains of the servos instead of estimating them.
 const GIVEN: f64 = 0.5;
@@ -79,7 +78,6 @@ struct Arms {
     reached: Vec<(f64, Vec<f64>)>,
 }
 
-/// Makes a case from its seed.
 pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
     let refuse = |reason: String| SimulationError::unreadable(name, reason);
     let of = |id: &String| {

@@ -23,9 +23,7 @@ const BEND_RAD: f64 = 5e-4;
 pub(super) struct Recorded {
     pub time_s: Vec<f64>,
     pub command_rad: Vec<Vec<f64>>,
-    /// As the encoders read them.
     pub position_rad: Vec<Vec<f64>>,
-    /// As they are at the encoders' shafts.
     pub true_rad: Vec<Vec<f64>>,
 }
 

@@ -29,7 +29,6 @@ impl<'v> At<'v> {
         Self { value, steps }
     }
 
-    /// An error about this value.
     pub(super) fn error(&self, reason: impl Into<String>, help: impl Into<Option<String>>) -> Error {
         Error::ModelValue { place: self.steps.clone(), reason: reason.into(), help: help.into() }
     }
@@ -50,7 +49,6 @@ impl<'v> At<'v> {
         self.error(format!("expected {what}, found {found}"), None)
     }
 
-    /// The value of a key that must be there.
     pub(super) fn get(&self, key: &str) -> Result<At<'v>, Error> {
         self.find(key)?.ok_or_else(|| self.error(format!("lacks the key `{key}`"), None))
     }

@@ -32,7 +32,6 @@ enum JointNames {
     Numbered(&'static str),
 }
 
-/// A revolute joint of a known robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct KnownJoint {
     /// Origin of the joint's frame in that of the joint before, in m.

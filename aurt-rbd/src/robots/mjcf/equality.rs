@@ -105,7 +105,6 @@ fn body_of<'x>(root: Node<'x, 'x>, kind: &str, name: &str) -> Option<&'x str> {
     of.ancestors().find(|n| n.has_tag_name("body"))?.attribute("name")
 }
 
-/// The joints that carry a body.
 fn above(tree: &Tree, body: &str) -> Vec<usize> {
     let mut joints = Vec::new();
     let mut link = tree.links.iter().position(|link| link.name == body).unwrap_or(0);

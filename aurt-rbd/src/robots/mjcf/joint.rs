@@ -23,7 +23,6 @@ pub(super) struct ReadJoint {
     pub reference: f64,
 }
 
-/// What says how joints are read.
 pub(super) struct Reading<'c, 'x> {
     pub classes: &'c Classes<'x>,
     /// An angle's unit in rad.

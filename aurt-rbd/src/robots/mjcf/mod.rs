@@ -26,7 +26,6 @@ use classes::Classes;
 use joint::{ReadJoint, Reading};
 use settings::{FromShapes, Settings, WRITE_OUT};
 
-/// The outermost element.
 pub(crate) const ROOT: &str = "mujoco";
 /// The link that everything hangs on.
 const WORLD: &str = "world";

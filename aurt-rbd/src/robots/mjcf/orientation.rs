@@ -9,7 +9,6 @@ use crate::robots::pose::Pose;
 /// The attributes of an element, its class's among them.
 type Of<'f, 'x> = dyn Fn(&str) -> Option<&'x str> + 'f;
 
-/// What `<compiler>` says of angles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Angles {
     /// An angle's unit in rad.

@@ -14,7 +14,6 @@ use crate::robots::pose::Pose;
 use crate::robots::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
 use crate::robots::{JointFriction, JointLimits, RobotError, RobotErrors};
 
-/// The outermost element.
 pub(crate) const ROOT: &str = "robot";
 
 /// Reads links and joints, and hangs them together.

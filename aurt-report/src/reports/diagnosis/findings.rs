@@ -109,7 +109,6 @@ fn registered_blocks(model: &RegisteredFinding) -> Vec<Block> {
     vec![Block::List(facts), Block::Table(table)]
 }
 
-/// The score, and what it is worth.
 fn evidence(evidence: &Evidence) -> String {
     let Evidence { score, threshold, p, .. } = *evidence;
     match p {
@@ -135,7 +134,6 @@ fn component(
     }
 }
 
-/// A parameter's value, whatever it is made of.
 fn text(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),

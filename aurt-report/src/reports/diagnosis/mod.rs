@@ -21,7 +21,6 @@ use crate::{
     words::{self, Group, claim, follows, groups, nothing, objection},
 };
 
-/// What a diagnosis leaves for its page.
 pub struct Diagnosed<'a> {
     pub verdict: &'a Found,
     pub asked: Asked,

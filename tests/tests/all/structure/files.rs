@@ -99,7 +99,6 @@ impl Modules {
 
 type Imports<'a> = BTreeMap<&'a [String], BTreeSet<&'a [String]>>;
 
-/// The one of some modules that all others are inside.
 fn parent<'a>(members: &[&'a [String]]) -> Option<&'a [String]> {
     members.iter().copied().find(|module| members.iter().all(|other| other.starts_with(module)))
 }
@@ -123,7 +122,6 @@ fn components<'a>(imports: &Imports<'a>) -> Vec<Imports<'a>> {
     components
 }
 
-/// All modules that a module imports, directly or not.
 fn reached_from<'a>(imports: &Imports<'a>, start: &[String]) -> BTreeSet<&'a [String]> {
     let mut reached = BTreeSet::new();
     let mut open: Vec<&[String]> = imports[start].iter().copied().collect();

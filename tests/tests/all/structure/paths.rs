@@ -58,7 +58,6 @@ impl Paths {
         paths
     }
 
-    /// The paths of one `use` tree below a prefix.
     fn tree(&mut self, words: &[&str], prefix: &[String], module: &[String]) {
         let mut path = prefix.to_vec();
         let mut k = 0;
@@ -121,7 +120,6 @@ fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// Names and signs of code.
 fn words(code: &str) -> Vec<&str> {
     let mut words = Vec::new();
     let mut rest = code;
@@ -196,7 +194,6 @@ fn end_of_character(rest: &str) -> usize {
     }
 }
 
-/// Code without the items that only tests have.
 fn without_tests(code: &str) -> String {
     let mut kept = String::with_capacity(code.len());
     let mut rest = code;
