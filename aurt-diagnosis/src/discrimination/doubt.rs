@@ -54,8 +54,8 @@ pub enum Doubt {
     Absorbed {
         /// What is not decidable.
         subject: Subject,
-        /// The other laws that its torque may be taken for.
-        rivals: Vec<LawColumns>,
+        /// Columns of the other laws that its torque may be taken for.
+        rivals: Vec<Vec<Switch>>,
     },
     /// A parameter is known less well than is wanted.
     Wide {
@@ -65,9 +65,6 @@ pub enum Doubt {
         wanted: DeviationGoal,
     },
 }
-
-/// The columns of a law in one of the shapes in which it was proposed.
-pub(super) type LawColumns = Vec<Switch>;
 
 /// A standard deviation that a parameter shall have at most.
 #[derive(Debug, Clone, PartialEq)]
@@ -222,7 +219,7 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
 }
 
 /// The coefficients of a candidate.
-fn columns_of(candidate: &Candidate, target_only: bool) -> LawColumns {
+fn columns_of(candidate: &Candidate, target_only: bool) -> Vec<Switch> {
     let nonnegative = |k: usize| candidate.proposal.nonnegative.get(k).copied().unwrap_or(false);
     let switches = candidate.columns.iter().enumerate();
     switches.map(|(k, column)| Switch { column: *column, target_only, nonnegative: nonnegative(k) }).collect()
@@ -231,7 +228,7 @@ fn columns_of(candidate: &Candidate, target_only: bool) -> LawColumns {
 /// Laws for which a diagnosis may take the torque of another: those on its joint that are as simple, and gains of all joints, since the
 /// model's bodies pass on to other joints what is wrong with the load of one. A more general law gives way, as in the search. The
 /// same force by another name is no rival.
-fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<LawColumns> {
+fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<Vec<Switch>> {
     let target_only = subject.switches.first().is_some_and(|s| s.target_only);
     let freedoms = |c: &Candidate| c.columns.len() + c.proposal.shapes.len();
     let own = freedoms(&investigation.candidates[subject.candidate]);

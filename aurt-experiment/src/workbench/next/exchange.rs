@@ -73,10 +73,8 @@ impl Exchange<'_> {
             let mut with = chosen.to_vec();
             with[place] = k;
             let is_short = self.pieces[k].trajectory.duration_s() <= longest_s;
-            if !is_short || !self.fits(&with) {
-                return None;
-            }
-            let sum = together(with.iter().map(|k| &self.pieces[*k]))?;
+            let sum = || together(with.iter().map(|k| &self.pieces[*k]));
+            let sum = (is_short && self.fits(&with)).then(sum).flatten()?;
             Some((self.value(&sum), with))
         });
         all.reduce(|| (f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a })

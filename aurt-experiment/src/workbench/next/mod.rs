@@ -239,12 +239,8 @@ impl<'a> Planner<'a> {
             return Ok(next);
         }
         progress.step("exchanging pieces");
-        let exchange = Exchange {
-            planner: &self,
-            pieces: &pieces,
-            open: &open,
-            robot: Robot::of_limits("arm", &self.limits),
-        };
+        let robot = Robot::of_limits("arm", &self.limits);
+        let exchange = Exchange { planner: &self, pieces: &pieces, open: &open, robot };
         let generic = self.moments(&generic)?;
         let (chosen, trajectory, planned) = exchange.motion(&generic)?;
         let again = self.discrimination.recorded_again(&planned);
@@ -405,13 +401,9 @@ impl<'a> Planner<'a> {
         let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
         let robot = Robot::of_limits("arm", &self.limits);
         let bodies = &**self.question.model.rigid_body();
-        match excite_bodies(&robot, bodies, &options, self.options.seed, &mut |_, _| ()) {
-            Ok(found) => Ok(found.trajectory),
-            Err(_) => {
-                let motion = Motion::MultiSine { duration_s, harmonics, top_hz, share };
-                Ok(motion.plan(&robot, self.options.seed)?)
-            }
-        }
+        let found = excite_bodies(&robot, bodies, &options, self.options.seed, &mut |_, _| ());
+        let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
+        Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }
 }
 
