@@ -125,7 +125,7 @@ impl Discrimination<'_> {
     fn found(&self, independent: f64, free: FreeShares) -> f64 {
         let least_share = self.question.selection.free_share;
         let widest = (free.of_model / least_share).ln();
-        if !(widest > 0.0) {
+        if widest <= 0.0 {
             return 0.0;
         }
         let blocks = self.investigation.problem.blocks();
