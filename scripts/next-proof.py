@@ -3,12 +3,13 @@
 
 Every case is an arm with one effect, recorded once in a short, narrow or slow motion of the kind that people have. It is open if the
 truth takes part in a claim with alternatives, or is indicated or not decidable on a joint of which nothing is claimed. To an open
-case three recordings of equal length are added, each by itself: the motion that `aurt next` plans, a multi-sine with the smallest
-condition number (`aurt excite`) within the same limits, and the first motion again. The diagnosis of both recordings is right if it
+case three recordings are added, each by itself: the motion that `aurt next` plans, a multi-sine with the smallest condition number
+(`aurt excite`) within the same limits, and the first motion again, each as long as the first or, with `--added-s`, so many seconds
+(of the first motion the beginning); several lengths are tried one by one. The diagnosis of both recordings is right if it
 names the effect without an alternative and nothing else on its joint, wrong if it names only others there without alternatives, else
 still open. A constant torque while a joint moves has two names, `current_offset` and `coulomb_asymmetry`.
 
-    python3 scripts/next-proof.py --aurt target/release/aurt --world clean --seed 1 --cases 40 --out next-proof
+    python3 scripts/next-proof.py --aurt target/release/aurt --world clean --seed 1 --cases 40 --added-s 3 5 8 0 --out next-proof
     python3 scripts/next-proof.py --collect next-proof next-proof-rough
 """
 
@@ -17,6 +18,7 @@ import collections
 import json
 import pathlib
 import random
+import time
 
 import next_proof_worlds as worlds
 
@@ -28,7 +30,7 @@ F_DYN_HZ = 6.0
 class Case:
     """An arm with a concealed effect, and its experiments."""
 
-    def __init__(self, program, world, folder, rng):
+    def __init__(self, program, world, sizes, folder, rng):
         self.program, self.folder = program, folder
         folder.mkdir(parents=True, exist_ok=True)
         self.robot = rng.choice(sorted(worlds.ARMS))
@@ -36,14 +38,13 @@ class Case:
             self.lab = worlds.MuJoCo(program, self.robot, folder, rng)
         else:
             self.lab = worlds.Simulated(program, self.robot, folder, world == "rough", rng)
-        self.lab.conceal(rng.choice(worlds.EFFECTS), rng)
+        self.lab.conceal(rng.choice(worlds.EFFECTS), sizes, rng)
         self.seed, self.duration_s, self.motion = rng.randrange(2 ** 31), rng.uniform(12.0, 20.0), rng.choice(worlds.MOTIONS)
         (folder / "mdh.csv").write_text(self.lab.mdh)
         rows = [["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"], *self.lab.limits()]
         (folder / "limits.csv").write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
-        worlds.write_motion(folder / "first_motion.csv", self.duration_s,
-                            worlds.first_motion(self.motion, self.lab.home, self.duration_s, rng))
-        (folder / "again_motion.csv").write_bytes((folder / "first_motion.csv").read_bytes())
+        self.first = worlds.first_motion(self.motion, self.lab.home, self.duration_s, rng)
+        worlds.write_motion(folder / "first_motion.csv", self.duration_s, self.first)
         self.lab.record("first", self.seed)
 
     def experiment(self, *recordings):
@@ -102,8 +103,8 @@ class Case:
         columns = {"planned": "planned", "generic": "multi_sine", "again": "recorded_again"}
         return {way: min((o[column]["settled"] for o in own), default=0.0) for way, column in columns.items()}
 
-    def run(self):
-        """The row of the table; none where nothing is open."""
+    def run(self, lengths_s):
+        """The row of the table; nothing is added where nothing is open."""
         row = {"case": self.folder.name, "robot": self.robot, "effect": self.lab.effect, "joint": self.lab.joint, "motion": self.motion}
         try:
             before = self.verdict("first")
@@ -113,20 +114,29 @@ class Case:
         row |= {"first": self.judged(before), "doubt": kind}
         if kind is None:
             return row
-        planned, generic = self.folder / "planned_motion.csv", self.folder / "generic_motion.csv"
-        common = ["--limits", self.folder / "limits.csv", "--duration-s", f"{self.duration_s:.1f}", "--json"]
-        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common, "--out", planned).stdout)
-        (self.folder / "plan.json").write_text(json.dumps(plan, indent=1))
-        worlds.run(self.program, "excite", "--mdh", self.folder / "mdh.csv", "--gravity", *self.lab.gravity, *common, "--tries", "100",
-                   "--seed", self.seed % 1000, "--out", generic)
-        row["stated"] = self.stated(plan)
-        for k, way in enumerate(WAYS):
-            if not (self.folder / f"{way}_motion.csv").is_file():
-                row[way] = "open"
-                continue
-            self.lab.record(way, self.seed + 1 + k)
-            row[way] = self.judged(self.verdict("first", way))
+        row["added"] = {f"{added_s:g}": self.added(added_s) for added_s in lengths_s}
         return row
+
+    def added(self, added_s):
+        """What the diagnosis says with a recording of a length (0: that of the first) added, way by way."""
+        duration_s = f"{added_s or self.duration_s:.1f}"
+        name = lambda way: f"{way}_{duration_s}"
+        motions = {way: self.folder / f"{name(way)}_motion.csv" for way in WAYS}
+        common = ["--limits", self.folder / "limits.csv", "--duration-s", duration_s, "--json"]
+        began_s = time.monotonic()
+        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common, "--out", motions["planned"]).stdout)
+        result = {"stated": self.stated(plan), "planning_s": round(time.monotonic() - began_s, 2)}
+        (self.folder / f"plan_{duration_s}.json").write_text(json.dumps(plan, indent=1))
+        worlds.run(self.program, "excite", "--mdh", self.folder / "mdh.csv", "--gravity", *self.lab.gravity, *common, "--tries", "100",
+                   "--seed", self.seed % 1000, "--out", motions["generic"])
+        again = worlds.beginning(self.first, added_s) if added_s else self.first
+        worlds.write_motion(motions["again"], added_s or self.duration_s, again)
+        for k, way in enumerate(WAYS):
+            result[way] = "open"
+            if motions[way].is_file():
+                self.lab.record(name(way), self.seed + 1 + k)
+                result[way] = self.judged(self.verdict("first", name(way)))
+        return result
 
 
 def table(rows):
@@ -134,11 +144,16 @@ def table(rows):
     opened = [row for row in rows if row["doubt"]]
     kinds = collections.Counter(row["doubt"] for row in opened)
     text = f"{len(rows)} cases, {len(opened)} open: " + ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) + "\n\n"
-    text += "| recorded beside the first | stated | right | still open | wrong |\n|---|---|---|---|---|\n"
-    for way, words in WAYS.items():
-        count = collections.Counter(row[way] for row in opened)
-        stated = sum(row["stated"][way] for row in opened)
-        text += f"| {words} | {stated:.1f} | {count['right']} | {count['open']} | {count['wrong']} |\n"
+    text += "| added, s | planned in s | " + " | ".join(f"{words}: stated, right, open, wrong" for words in WAYS.values()) + " |\n"
+    text += "|---|---|---|---|---|\n"
+    for length in opened[0]["added"] if opened else []:
+        added = [row["added"][length] for row in opened]
+        cells = [f"{max(one['planning_s'] for one in added):.0f} at most"]
+        for way in WAYS:
+            count = collections.Counter(one[way] for one in added)
+            stated = sum(one["stated"][way] for one in added)
+            cells.append(f"{stated:.1f}, {count['right']}, {count['open']}, {count['wrong']}")
+        text += f"| {'as the first' if length == '0' else length} | " + " | ".join(cells) + " |\n"
     return text
 
 
@@ -148,6 +163,8 @@ def main():
     parser.add_argument("--world", choices=("clean", "rough", "mujoco"), default="clean")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, default=40)
+    parser.add_argument("--added-s", type=float, nargs="+", default=[0.0], help="lengths of the added recordings; 0: that of the first")
+    parser.add_argument("--sizes", type=float, nargs=2, default=worlds.SIZES, help="least and largest size of the effects over the noise")
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("--collect", type=pathlib.Path, nargs="+", help="print the tables of finished folders")
@@ -161,7 +178,8 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     with (arguments.out / "rows.jsonl").open("a") as kept:
         for k, seed in enumerate(seeds[arguments.first:], arguments.first):
-            rows.append(Case(arguments.aurt, arguments.world, arguments.out / f"case_{k:03}", random.Random(seed)).run())
+            case = Case(arguments.aurt, arguments.world, arguments.sizes, arguments.out / f"case_{k:03}", random.Random(seed))
+            rows.append(case.run(arguments.added_s))
             print(rows[-1], flush=True)
             kept.write(json.dumps(rows[-1]) + "\n")
             kept.flush()

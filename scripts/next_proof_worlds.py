@@ -69,6 +69,12 @@ def first_motion(kind, home, duration_s, rng):
     return lambda t: [home[j] + narrow[j] * away(j, t) for j in range(n)]
 
 
+def beginning(position, duration_s):
+    """A motion that comes to rest after so many seconds: in the last of them its time slows down to a stop."""
+    late = lambda x: x ** 4 * (2.5 - 3.0 * x + x * x)
+    return lambda t: position(t - late(min(max(t - duration_s + 1.0, 0.0), 1.0)))
+
+
 MOTIONS = ("joint by joint", "two poses", "one sine", "one speed")
 
 
@@ -103,11 +109,11 @@ class Simulated:
         self.logger = [f"[logger]\nrate_hz = {RATE_HZ}\nclock_jitter_s = {jitter / RATE_HZ}\ntime_decimals = 6",
                        f"[logger.faults]\nmissing_share = {missing}"]
 
-    def conceal(self, name, rng):
+    def conceal(self, name, sizes, rng):
         joints = self.arm["loaded"] if name in OF_LOAD else range(len(self.home))
         self.effect, self.joint = name, rng.choice(list(joints))
         self.background = [other for other in self.background if other != name]
-        self.tables = [self.fields(name, self.joint, rng.uniform(*SIZES), rng)]
+        self.tables = [self.fields(name, self.joint, rng.uniform(*sizes), rng)]
         self.tables += [self.fields(other, j, rng.uniform(0.05, 0.25), rng) for other in self.background for j in range(len(self.home))]
         self.background += ["dropped_samples"] if self.rough else []
 
@@ -185,10 +191,10 @@ class MuJoCo:
         self.mdh = "alpha,a,d\n" + "".join(",".join(map(repr, row)) + "\n" for row in self.built.mdh.tolist())
         self.loaded = ARMS[robot]["loaded"]
 
-    def conceal(self, name, rng):
+    def conceal(self, name, sizes, rng):
         self.effect, self.joint = name, rng.choice(self.loaded if name in OF_LOAD else list(range(len(self.home))))
         self.law = self.kinds[name](self.built, [self.joint], self.random, 10.0)
-        self.law.scale(rng.uniform(*SIZES) * 0.5)
+        self.law.scale(rng.uniform(*sizes) * 0.5)
 
     def limits(self):
         b = self.built

@@ -70,8 +70,8 @@ pub struct NextMotion {
 
 /// Longest motion, s, and most pieces that are tried.
 const MOST: (f64, usize) = (600.0, 1000);
-/// Shortest motion, s.
-const SHORTEST_S: f64 = 5.0;
+/// Shortest motion, s: that of a multi-sine.
+const SHORTEST_S: f64 = 3.0;
 
 /// `PARAMETER < STD`.
 fn parse_wanted(text: &str) -> Result<DeviationGoal, String> {
@@ -161,7 +161,7 @@ impl NextMotion {
         }
         if !(SHORTEST_S..=MOST.0).contains(&self.duration_s) {
             let reason = format!("a plan cannot take {} s", self.duration_s);
-            return refuse("--duration-s", reason, "give 5 to 600 s");
+            return refuse("--duration-s", reason, "give 3 to 600 s");
         }
         if !(1..=MOST.1).contains(&self.tries) {
             return refuse("--tries", format!("{} motions cannot be tried", self.tries), "give 1 to 1000");

@@ -1,4 +1,6 @@
+use crate::effects::torque_constant;
 use crate::evidence::problem::Problem;
+use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Fitted, Investigation};
 use crate::request::Question;
@@ -52,6 +54,8 @@ pub enum Doubt {
     Absorbed {
         /// What is not decidable.
         subject: Subject,
+        /// Columns of the other laws that its torque may be taken for.
+        rivals: Vec<Vec<Switch>>,
     },
     /// A parameter is known less well than is wanted.
     Wide {
@@ -99,7 +103,7 @@ impl Doubt {
     pub(super) fn candidates(&self) -> Vec<usize> {
         match self {
             Self::Rivals { claimed, rival, .. } => vec![claimed.candidate, rival.candidate],
-            Self::Indicated { subject, .. } | Self::Absorbed { subject } | Self::Wide { subject, .. } => {
+            Self::Indicated { subject, .. } | Self::Absorbed { subject, .. } | Self::Wide { subject, .. } => {
                 vec![subject.candidate]
             }
         }
@@ -194,15 +198,11 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
         if candidate.proposal.presence == Presence::Change && !target {
             continue;
         }
-        let nonnegative = |k: usize| candidate.proposal.nonnegative.get(k).copied().unwrap_or(false);
-        let switches = candidate.columns.iter().enumerate();
         let subject = Subject {
             effect: candidate.effect,
             joints: candidate.proposal.joints.clone(),
             candidate: index,
-            switches: switches
-                .map(|(k, column)| Switch { column: *column, target_only, nonnegative: nonnegative(k) })
-                .collect(),
+            switches: columns_of(candidate, target_only),
         };
         let same = |(known, _): &&mut (Subject, f64)| {
             known.effect == subject.effect && known.joints == subject.joints
@@ -214,5 +214,35 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
         }
     }
     let hidden = most.into_iter().filter(|(_, share)| *share < question.selection.free_share);
-    hidden.map(|(subject, _)| Doubt::Absorbed { subject }).collect()
+    let doubt = |(subject, _)| Doubt::Absorbed { rivals: rivals_of(investigation, &subject), subject };
+    hidden.map(doubt).collect()
+}
+
+/// The coefficients of a candidate.
+fn columns_of(candidate: &Candidate, target_only: bool) -> Vec<Switch> {
+    let nonnegative = |k: usize| candidate.proposal.nonnegative.get(k).copied().unwrap_or(false);
+    let switches = candidate.columns.iter().enumerate();
+    switches.map(|(k, column)| Switch { column: *column, target_only, nonnegative: nonnegative(k) }).collect()
+}
+
+/// Laws for which a diagnosis may take the torque of another: those on its joint that are as simple, and gains of all joints, since the
+/// model's bodies pass on to other joints what is wrong with the load of one. A more general law gives way, as in the search. The
+/// same force by another name is no rival.
+fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<Vec<Switch>> {
+    let target_only = subject.switches.first().is_some_and(|s| s.target_only);
+    let freedoms = |c: &Candidate| c.columns.len() + c.proposal.shapes.len();
+    let own = freedoms(&investigation.candidates[subject.candidate]);
+    let is_rival = |other: &&Candidate| {
+        let is_simple = other.columns.len() <= subject.switches.len() || freedoms(other) <= own;
+        let meets = other.proposal.joints.iter().any(|j| subject.joints.contains(j));
+        let is_tried = target_only || other.proposal.presence != Presence::Change;
+        other.registered.is_none()
+            && other.effect != subject.effect
+            && !other.effect.is_same_force(subject.effect)
+            && is_simple
+            && is_tried
+            && (meets || *other.effect == torque_constant::EFFECT)
+    };
+    let rivals = investigation.candidates.iter().filter(is_rival);
+    rivals.map(|other| columns_of(other, target_only)).collect()
 }

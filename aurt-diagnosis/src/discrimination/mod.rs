@@ -14,9 +14,10 @@
 //! time, one-sided, 5 %) decides with probability Φ(√(D/2) − t), with t of all blocks: an upper bound where few of them tell the two apart.
 //!
 //! An effect that is there or not is a nested explanation. It is claimed where its coefficients are as many deviations from zero as
-//! Student's t of the blocks requires (1 %), with probability Φ(√(2 D) − t), D that of the present recordings and the motion together,
-//! min_b ½ ‖X_A β̂_A − X_B b‖². Of an effect that the model absorbs no recording knows the size: it is supposed to have torque as large as
-//! the noise, so that D = ½ n f², with f the share of its torque that the model leaves and n the independent rows.
+//! Student's t of the blocks requires (1 %) and D reaches the least score, with probability Φ(√(2 D) − t), D that of the present recordings
+//! and the motion together, min_b ½ ‖X_A β̂_A − X_B b‖². Of an effect that the model absorbs no recording knows the size: the probability
+//! is the mean over sizes, ½ n s² f² with s the ratio of its torque to the noise, f the share of it that the model leaves and n the
+//! independent rows, of being claimed, and of being preferred to the rival that, added to the model, leaves least of it.
 //!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 
@@ -35,6 +36,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
+use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
 use doubt::doubts;
 
@@ -48,6 +50,8 @@ pub struct Discrimination<'a> {
     weights: Vec<f64>,
     /// Share of the rows that is independent.
     share: f64,
+    /// Share of a joint's mean square by which an effect has to lower it.
+    least_reduction: f64,
     /// One over the variance of what the baseline leaves, by which the investigation tells what this absorbs.
     base_weights: Vec<f64>,
     /// The model that the investigation ends with.
@@ -71,7 +75,19 @@ impl<'a> Discrimination<'a> {
         let base_weights = of_moved_joints(problem, weighted_fit(problem, base_switches, floor).1);
         let weights = of_moved_joints(problem, weights);
         let doubts = doubts(question, investigation, &fitted, wanted);
-        Self { question, investigation, registry, weights, share, base_weights, fitted, doubts }
+        let independent_hz = share * mean_rate_hz(&investigation.rows);
+        let least_reduction = question.selection.least_log_error(independent_hz).exp_m1();
+        Self {
+            question,
+            investigation,
+            registry,
+            weights,
+            share,
+            least_reduction,
+            base_weights,
+            fitted,
+            doubts,
+        }
     }
 
     /// The open questions, those of claims first.
@@ -108,9 +124,10 @@ fn decided(nats: f64, blocks: usize) -> [f64; 2] {
 }
 
 /// The probability that a diagnosis claims an effect that is there, by the expected logarithm D of the ratio of likelihoods with and
-/// without it in all recordings, and that it claims one that is not.
-fn claimed(nats: f64, blocks: usize) -> [f64; 2] {
+/// without it in all recordings, and that it claims one that is not. A score is such a logarithm, and √(2 D) deviations.
+fn claimed(nats: f64, blocks: usize, score: f64) -> [f64; 2] {
     let least = student(Normal::standard().inverse_cdf(0.995), blocks.saturating_sub(1).max(1) as f64);
+    let least = least.max((2.0 * score).sqrt());
     [(2.0 * nats.max(0.0)).sqrt(), 0.0].map(|deviations| Normal::standard().cdf(deviations - least))
 }
 
@@ -136,7 +153,8 @@ mod tests {
     #[test]
     fn an_effect_as_far_from_zero_as_it_must_be_is_claimed_every_other_time() {
         let required = 4.032_f64; // Student's t, 1 %, of six blocks.
-        assert!((claimed(0.5 * required * required, 6)[0] - 0.5).abs() < 1e-3);
-        assert!(claimed(0.0, 6)[0] < 1e-3 && claimed(40.0, 6)[0] > 0.99);
+        assert!((claimed(0.5 * required * required, 6, 0.0)[0] - 0.5).abs() < 1e-3);
+        assert!(claimed(0.0, 6, 0.0)[0] < 1e-3 && claimed(40.0, 6, 0.0)[0] > 0.99);
+        assert!((claimed(18.0, 6, 18.0)[0] - 0.5).abs() < 1e-3, "the score decides where it is the greater");
     }
 }

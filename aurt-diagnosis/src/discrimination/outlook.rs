@@ -6,7 +6,6 @@ use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::Cholesky;
 use crate::hypotheses::group::Switch;
-use crate::investigation::Investigation;
 use crate::verdict::reported;
 use crate::vocabulary::OwnFriction;
 
@@ -17,7 +16,7 @@ pub struct Outlook {
     /// none for other doubts.
     pub nats: Option<f64>,
     /// The probability that the doubt is settled: that the true one of two rivals is preferred, that an effect is claimed if it
-    /// is there, that an absorbed one is if its torque is as large as the noise; of a parameter, the share of the wanted deviation.
+    /// is there, that an absorbed one is, over sizes of its torque; of a parameter, the share of the wanted deviation.
     pub settled: f64,
     /// The probability that the wrong explanation is preferred.
     pub wrongly: f64,
@@ -56,7 +55,9 @@ impl Discrimination<'_> {
         let all = together(self.investigation.problem.total(), planned);
         let mut absorbed = self.free(doubts, &all).into_iter();
         let outlook = |k: &usize| match &self.doubts[*k] {
-            Doubt::Absorbed { subject } => self.of_absorbed(subject, absorbed.next().unwrap_or(0.0), &all),
+            Doubt::Absorbed { subject, .. } => {
+                self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
+            }
             Doubt::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
             Doubt::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
             Doubt::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
@@ -91,7 +92,7 @@ impl Discrimination<'_> {
 
     fn of_indicated(&self, [with, without]: &[Explanation; 2], all: &[Vec<Moments>; 2]) -> Outlook {
         let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
-        let [settled, wrongly] = claimed(nats, self.investigation.problem.blocks());
+        let [settled, wrongly] = self.claimed(nats);
         Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
     }
 
@@ -109,16 +110,37 @@ impl Discrimination<'_> {
         }
     }
 
-    /// The outlook of an effect that the present recordings absorb and of which all together leave a share free, if its torque
-    /// is as large as the noise.
-    fn of_absorbed(&self, subject: &Subject, free: f64, all: &[Vec<Moments>; 2]) -> Outlook {
+    /// The outlook of an effect that the present recordings absorb, if all together leave shares of its torque free.
+    fn of_absorbed(&self, subject: &Subject, free: FreeShares, all: &[Vec<Moments>; 2]) -> Outlook {
         let rows = |j: &usize| all.iter().map(|kind| kind[*j].rows).sum::<f64>();
         let independent = self.share * subject.joints.iter().map(rows).fold(0.0, f64::max);
-        let nats = 0.5 * independent * free * free;
-        let [settled, wrongly] = claimed(nats, self.investigation.problem.blocks());
-        // What cannot be examined is not found, however large.
-        let settled = if free < self.question.selection.free_share { 0.0 } else { settled };
-        Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
+        let nats = 0.5 * independent * free.of_model.min(free.of_rival).powi(2);
+        let settled = self.found(independent, free);
+        Outlook { nats: None, settled, wrongly: 0.0, evidence: nats, free: free.of_model, interval: None }
+    }
+
+    /// The probability that an effect of unknown size is claimed and preferred to its rivals. It has to lower the mean square by the
+    /// share r² that a claim requires. All ratios of its torque to the noise are taken to be as probable between r, with which it is
+    /// claimed if no part of it is absorbed, and r over the least share that is examined, with which it always is.
+    fn found(&self, independent: f64, free: FreeShares) -> f64 {
+        let least_share = self.question.selection.free_share;
+        let widest = (free.of_model / least_share).ln();
+        if widest <= 0.0 {
+            return 0.0;
+        }
+        let blocks = self.investigation.problem.blocks();
+        let rival = (free.of_rival / free.of_model).powi(2);
+        let at = |k: usize| {
+            let part = (k as f64 + 0.5) / SIZES as f64;
+            let nats = 0.5 * independent * self.least_reduction * (2.0 * part * widest).exp();
+            self.claimed(nats)[0].min(decided(nats * rival, blocks)[0])
+        };
+        (0..SIZES).map(at).sum::<f64>() / SIZES as f64 * widest / -least_share.ln()
+    }
+
+    /// The probability that a diagnosis claims an effect that is there, and that it claims one that is not.
+    fn claimed(&self, nats: f64) -> [f64; 2] {
+        claimed(nats, self.investigation.problem.blocks(), self.question.selection.score)
     }
 
     /// The distance of the rival's torque from that of the truth over some moments, with the coefficients that bring it nearest. Present
@@ -168,21 +190,36 @@ impl Discrimination<'_> {
     }
 
     /// Shares of the torques of the absorbed ones among doubts that are free in the present recordings and the motion together.
-    fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<f64> {
-        let subjects = doubts.iter().filter_map(|k| match &self.doubts[*k] {
-            Doubt::Absorbed { subject } => Some(&subject.switches[..]),
-            _ => None,
-        });
-        let subjects: Vec<&[Switch]> = subjects.collect();
-        let Investigation { problem, base_switches, .. } = self.investigation;
-        let shares = problem.free_share_in(all, base_switches, &subjects.concat(), &self.base_weights);
-        let mut rest = &shares[..];
-        let mut largest = |switches: &&[Switch]| {
-            let (own, others) = rest.split_at(switches.len());
-            rest = others;
-            own.iter().copied().fold(0.0, f64::max)
+    fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<FreeShares> {
+        let problem = &self.investigation.problem;
+        let model = &self.fitted.switches[..];
+        let (n, weights) = (model.len(), &self.base_weights[..]);
+        let cholesky = Cholesky::new(&problem.cross(all, model, model, weights), n);
+        // What the model leaves of each column, once.
+        let mut columns: Vec<Switch> = Vec::new();
+        let mut place = |switch: &Switch| {
+            columns.iter().position(|known| known == switch).unwrap_or_else(|| {
+                columns.push(*switch);
+                columns.len() - 1
+            })
         };
-        subjects.iter().map(&mut largest).collect()
+        let mut places = |law: &[Switch]| law.iter().map(&mut place).collect::<Vec<usize>>();
+        let mut laws: Vec<(Vec<usize>, Vec<Vec<usize>>)> = Vec::new();
+        for doubt in doubts {
+            if let Doubt::Absorbed { subject, rivals } = &self.doubts[*doubt] {
+                laws.push((places(&subject.switches), rivals.iter().map(|rival| places(rival)).collect()));
+            }
+        }
+        let mut projected = problem.cross(all, model, &columns, weights);
+        projected.chunks_exact_mut(n.max(1)).for_each(|column| cholesky.forward(column));
+        let own = problem.cross(all, &columns, &columns, weights);
+        let of_model = |k: usize| &projected[k * n..(k + 1) * n];
+        let left = |a: usize, b: usize| own[a * columns.len() + b] - dot(of_model(a), of_model(b));
+        let count = columns.len();
+        let lengths: Vec<f64> = (0..count).map(|k| own[k * count + k]).collect();
+        let of_law =
+            |(law, rivals): &(Vec<usize>, Vec<Vec<usize>>)| FreeShares::new(&left, &lengths, law, rivals);
+        laws.iter().map(of_law).collect()
     }
 
     /// The deviations of all coefficients with the motion recorded: those of now, less by what the motion adds to the
@@ -223,6 +260,46 @@ impl Discrimination<'_> {
     }
 }
 
+/// Shares of an effect's torque that are free.
+#[derive(Debug, Clone, Copy, Default)]
+struct FreeShares {
+    /// Beside the model.
+    of_model: f64,
+    /// Beside the model and the rival that takes most of it.
+    of_rival: f64,
+}
+
+impl FreeShares {
+    /// The shares of a law's columns, the most of them, from the inner products of what the model leaves of two columns and the squares
+    /// of the columns themselves.
+    fn new(
+        left: &dyn Fn(usize, usize) -> f64,
+        lengths: &[f64],
+        law: &[usize],
+        rivals: &[Vec<usize>],
+    ) -> Self {
+        let share = |k: usize, left: f64| {
+            if lengths[k] > 0.0 { (left / lengths[k]).max(0.0).sqrt() } else { 0.0 }
+        };
+        let beside = |rival: &Vec<usize>| {
+            let gram: Vec<f64> = rival.iter().flat_map(|a| rival.iter().map(|b| left(*a, *b))).collect();
+            let cholesky = Cholesky::new(&gram, rival.len());
+            let of_column = |k: &usize| {
+                let mut taken: Vec<f64> = rival.iter().map(|a| left(*a, *k)).collect();
+                cholesky.forward(&mut taken);
+                share(*k, left(*k, *k) - dot(&taken, &taken))
+            };
+            law.iter().map(of_column).fold(0.0, f64::max)
+        };
+        let of_model = law.iter().map(|k| share(*k, left(*k, *k))).fold(0.0, f64::max);
+        let of_rival = rivals.iter().map(beside).fold(of_model, f64::min);
+        Self { of_model, of_rival }
+    }
+}
+
+/// Sizes of an absorbed effect over which its probability is averaged: it is a smooth curve between two of them.
+const SIZES: usize = 8;
+
 /// The distance of two explanations.
 struct Apart {
     nats: f64,
@@ -253,5 +330,26 @@ fn largest(std: &Value) -> Option<f64> {
     match std {
         Value::Array(list) => list.iter().filter_map(Value::as_f64).reduce(f64::max),
         one => one.as_f64(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FreeShares;
+
+    #[test]
+    fn a_torque_that_a_rival_takes_up_is_free_of_the_model_alone() {
+        // Over four rows, of which the model takes none: the law, one that is like it in the first two, and one unlike it.
+        let columns = [[1.0, 1.0, 1.0, 1.0], [1.0, 1.0, 0.0, 0.0], [1.0, -1.0, 1.0, -1.0]];
+        let left =
+            |a: usize, b: usize| columns[a].iter().zip(columns[b]).map(|(a, b): (&f64, f64)| a * b).sum();
+        let of = |rivals: &[Vec<usize>]| FreeShares::new(&left, &[4.0, 2.0, 4.0], &[0], rivals);
+        let beside = |rivals: &[Vec<usize>]| of(rivals).of_rival;
+        assert!((beside(&[vec![2]]) - 1.0).abs() < 1e-12);
+        assert!(
+            (beside(&[vec![2], vec![1]]) - 0.5_f64.sqrt()).abs() < 1e-12,
+            "the rival that takes most decides"
+        );
+        assert!(beside(&[vec![0]]) < 1e-6 && of(&[vec![0]]).of_model == 1.0);
     }
 }

@@ -429,18 +429,7 @@ impl Problem {
     /// it is absorbed exactly.
     #[must_use]
     pub fn free_share(&self, switches: &[Switch], group: &[Switch], weights: &[f64]) -> Vec<f64> {
-        self.free_share_in(&self.moments.total, switches, group, weights)
-    }
-
-    /// The same over a set of moments.
-    pub(crate) fn free_share_in(
-        &self,
-        total: &[Vec<Moments>; 2],
-        switches: &[Switch],
-        group: &[Switch],
-        weights: &[f64],
-    ) -> Vec<f64> {
-        let n = switches.len();
+        let (n, total) = (switches.len(), &self.moments.total);
         let cholesky = Cholesky::new(&self.cross(total, switches, switches, weights), n);
         let mut projected = self.cross(total, switches, group, weights);
         let own = self.cross(total, group, group, weights);

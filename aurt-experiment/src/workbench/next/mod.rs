@@ -4,6 +4,7 @@
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
 //! finds those that together settle most: that maximise the expected number of settled doubts.
 
+mod exchange;
 mod keep_out;
 mod limits;
 mod text;
@@ -18,15 +19,18 @@ use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
+use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite_bodies};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
 use rayon::prelude::*;
 
 use crate::Experiment;
 use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
 use crate::workbench::failure::Failure;
+use exchange::Exchange;
 use keep_out::KeepOutCheck;
 use limits::limits_of;
 
+/// How the next motion is planned.
 #[derive(Debug, Clone)]
 pub struct NextOptions {
     pub diagnosis: DiagnosisOptions,
@@ -36,11 +40,15 @@ pub struct NextOptions {
     pub keep_out: Vec<KeepOut>,
     /// Deviations that parameters shall have at most.
     pub wanted: Vec<DeviationGoal>,
+    /// Longest duration in s.
     pub duration_s: f64,
+    /// Pieces that are drawn.
     pub draws: usize,
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
+/// The next motion, and what it would do.
 #[derive(Debug, Clone)]
 pub struct Next {
     /// The motion; none where it would settle nothing.
@@ -51,6 +59,7 @@ pub struct Next {
     pub never: Vec<(Doubt, Outlook)>,
     /// Parameters of what is claimed, now and after the motion.
     pub intervals: Vec<(Subject, Vec<Interval>)>,
+    /// Names of the joints, where they have some.
     pub joint_names: Vec<String>,
     /// The expected logarithm of the ratio of likelihoods that settles a doubt with the probability `SURE`.
     sure_nats: f64,
@@ -59,6 +68,7 @@ pub struct Next {
     pub notes: Vec<String>,
 }
 
+/// A motion that was planned.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub trajectory: Trajectory,
@@ -74,7 +84,7 @@ pub struct Open {
     pub planned: Outlook,
     /// With the motions of the present recordings for as long.
     pub again: Outlook,
-    /// With a multi-sine of the same duration.
+    /// With the multi-sine of the longest duration that has the smallest condition number.
     pub generic: Outlook,
 }
 
@@ -86,7 +96,12 @@ const FULL_PIECES: usize = 4;
 const WAY: f64 = 0.25;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
-const SHORTEST_S: f64 = 4.0;
+/// Shortest time of a piece, s: a stroke or two, of which the ends are at rest.
+const SHORTEST_S: f64 = 2.0;
+/// Multi-sines that are tried for the one with the smallest condition number, as `aurt excite` does by default.
+const SINES_TRIED: usize = 100;
+/// Words for the multi-sine that is planned without knowing what is open.
+const GENERIC: &str = "a multi-sine as of `aurt excite`";
 /// The probability of which the time is told that a doubt would take.
 const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
@@ -95,6 +110,7 @@ const SHARE: f64 = 0.8;
 /// no doubt reaches the first, since a motion that helps is better than none.
 const EVER: [f64; 2] = [0.5, 0.05];
 
+/// Plans the next motion for an experiment.
 pub fn plan_next(
     experiment: &Experiment,
     registry: &Registry,
@@ -210,7 +226,8 @@ impl<'a> Planner<'a> {
         if doubts.is_empty() {
             return Ok(next);
         }
-        let pieces = self.pieces(progress)?;
+        let generic = self.generic()?;
+        let pieces = self.pieces(&generic, progress)?;
         let all =
             together(pieces.iter()).ok_or(DiagnosisError::NothingToDiagnose).map_err(aurt::Error::from)?;
         let ever = self.discrimination.outlook(&all);
@@ -222,14 +239,10 @@ impl<'a> Planner<'a> {
             return Ok(next);
         }
         progress.step("exchanging pieces");
-        let chosen = self.exchanged(&pieces, &open);
         let robot = Robot::of_limits("arm", &self.limits);
-        let parts = chosen.iter().map(|k| pieces[*k].trajectory.clone()).collect();
-        let trajectory = Trajectory::sequence(&robot, SHARE, parts);
-        trajectory.check(&robot)?;
-        let planned =
-            self.discrimination.planned(&self.recorded_motion(&trajectory)?).map_err(aurt::Error::from)?;
-        let generic = self.generic(&robot, trajectory.duration_s())?;
+        let exchange = Exchange { planner: &self, pieces: &pieces, open: &open, robot };
+        let generic = self.moments(&generic)?;
+        let (chosen, trajectory, planned) = exchange.motion(&generic)?;
         let again = self.discrimination.recorded_again(&planned);
         let [planned_outlook, generic, again] =
             [&planned, &generic, &again].map(|motion| self.discrimination.outlook(motion));
@@ -250,8 +263,8 @@ impl<'a> Planner<'a> {
         Ok(next)
     }
 
-    /// Draws pieces whose torques were seen before.
-    fn pieces(&self, progress: &Progress) -> Result<Vec<Piece>, Failure> {
+    /// Draws pieces whose torques were seen before; a multi-sine made without knowing what is open is the first of them.
+    fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece>, Failure> {
         let robot = Robot::of_limits("arm", &self.limits);
         let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
@@ -261,10 +274,10 @@ impl<'a> Planner<'a> {
             (share_s - if count > 1 { way_s.min(WAY * share_s) } else { 0.0 }).max(SHORTEST_S)
         };
         let mut random = Random::labelled(self.options.seed, "next");
-        let mut drawn: Vec<(Trajectory, String)> = Vec::new();
+        let mut drawn = vec![(generic.clone(), GENERIC.to_owned())];
         // Some draws do not fit into the limits.
         for attempt in 0..4 * self.options.draws {
-            if drawn.len() == self.options.draws {
+            if drawn.len() > self.options.draws {
                 break;
             }
             drawn.extend(self.drawn(attempt, piece_s(1 + attempt / 4 % FULL_PIECES), &mut random));
@@ -376,90 +389,21 @@ impl<'a> Planner<'a> {
         Ok(recording.with_measurement(unknown, self.question.unit)?)
     }
 
-    /// A multi-sine as one plans it without knowing what is open.
-    fn generic(&self, robot: &Robot, duration_s: f64) -> Result<MotionMoments, Failure> {
-        let motion = Motion::MultiSine { duration_s, harmonics: 6, top_hz: 0.6, share: 0.8 };
-        let recorded = self.recorded_motion(&motion.plan(robot, self.options.seed)?)?;
-        Ok(self.discrimination.planned(&recorded).map_err(aurt::Error::from)?)
+    /// The moments of a motion.
+    fn moments(&self, trajectory: &Trajectory) -> Result<MotionMoments, Failure> {
+        Ok(self.discrimination.planned(&self.recorded_motion(trajectory)?).map_err(aurt::Error::from)?)
     }
 
-    /// The pieces that together settle most within the duration. No exchange leads from one long piece to several short ones:
-    /// it begins once for each length, with no longer pieces.
-    fn exchanged(&self, pieces: &[Piece], open: &[usize]) -> Vec<usize> {
-        let lengths = pieces.iter().map(|piece| piece.trajectory.duration_s()).enumerate();
-        let shortest = lengths.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
-        let exchange = Exchange { planner: self, pieces, open, robot: Robot::of_limits("arm", &self.limits) };
-        let of_count = |count: usize| exchange.of_pieces_up_to(self.options.duration_s / count as f64);
-        let better = |a: (f64, Vec<usize>), b: (f64, Vec<usize>)| if b.0 > a.0 { b } else { a };
-        let best = (1..=FULL_PIECES).map(of_count).reduce(better).unwrap_or_default().1;
-        if best.is_empty() { shortest.into_iter().collect() } else { best }
-    }
-}
-
-struct Exchange<'e> {
-    planner: &'e Planner<'e>,
-    pieces: &'e [Piece],
-    open: &'e [usize],
-    robot: Robot,
-}
-
-impl Exchange<'_> {
-    /// The expected number of settled doubts, and the evidence where all are as good as settled. Nobody knows whether any of the
-    /// absorbed effects is there: together they count as one doubt.
-    fn value(&self, chosen: &[usize]) -> f64 {
-        let Some(sum) = together(chosen.iter().map(|k| &self.pieces[*k])) else { return f64::NEG_INFINITY };
-        let Planner { discrimination, .. } = self.planner;
-        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed { .. });
-        let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
-        let outlook = discrimination.outlook_of(self.open, &sum);
-        let worth = |(k, o): (&usize, &Outlook)| {
-            let settled = o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln();
-            if is_absorbed(k) { settled / absorbed } else { settled }
-        };
-        self.open.iter().zip(&outlook).map(worth).sum()
-    }
-
-    fn fits(&self, chosen: &[usize]) -> bool {
-        let parts = chosen.iter().map(|k| self.pieces[*k].trajectory.clone()).collect();
-        let motion = Trajectory::sequence(&self.robot, SHARE, parts);
-        motion.duration_s() <= self.planner.options.duration_s && self.planner.is_allowed(&motion)
-    }
-
-    /// The best piece at a place, of those up to a length with which the motion is short enough.
-    fn best(&self, chosen: &[usize], place: usize, longest_s: f64) -> (f64, Vec<usize>) {
-        let all = (0..self.pieces.len()).into_par_iter().filter_map(|k| {
-            let mut with = chosen.to_vec();
-            with[place] = k;
-            let is_short = self.pieces[k].trajectory.duration_s() <= longest_s;
-            (is_short && self.fits(&with)).then(|| (self.value(&with), with))
-        });
-        all.reduce(|| (f64::NEG_INFINITY, Vec::new()), |a, b| if b.0 > a.0 { b } else { a })
-    }
-
-    /// The value of the best motion that is found of pieces up to a length, and its pieces.
-    fn of_pieces_up_to(&self, longest_s: f64) -> (f64, Vec<usize>) {
-        let (mut most, mut chosen): (f64, Vec<usize>) = (f64::NEG_INFINITY, Vec::new());
-        while chosen.len() < PIECES {
-            let mut longer = chosen.clone();
-            longer.push(0);
-            let (value, with) = self.best(&longer, chosen.len(), longest_s);
-            if with.is_empty() {
-                break;
-            }
-            (most, chosen) = (value, with);
-        }
-        loop {
-            let before = most;
-            for place in 0..chosen.len() {
-                let (value, with) = self.best(&chosen, place, longest_s);
-                if value > most {
-                    (most, chosen) = (value, with);
-                }
-            }
-            if most <= before {
-                return (most, chosen);
-            }
-        }
+    /// The multi-sine that `aurt excite` plans without knowing what is open; any where no motion tells the bodies apart.
+    fn generic(&self) -> Result<Trajectory, Failure> {
+        let (duration_s, harmonics, top_hz, share) = (self.options.duration_s, 6, 0.6, SHARE);
+        let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
+        let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
+        let robot = Robot::of_limits("arm", &self.limits);
+        let bodies = &**self.question.model.rigid_body();
+        let found = excite_bodies(&robot, bodies, &options, self.options.seed, &mut |_, _| ());
+        let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
+        Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }
 }
 

@@ -48,7 +48,7 @@ impl Next {
         let mut lines: Vec<(String, String, Vec<usize>)> = Vec::new();
         for (doubt, outlook) in &self.never {
             let (what, why, joints) = match doubt {
-                Doubt::Absorbed { subject } => {
+                Doubt::Absorbed { subject, .. } => {
                     let why = format!(
                         "the model's own coefficients take up all but {:.1} % of its torque",
                         100.0 * outlook.free
@@ -111,7 +111,7 @@ impl Next {
                 json!({"kind": "rivals", "claimed": subject(claimed), "rival": subject(rival)})
             }
             Doubt::Indicated { subject: s, .. } => json!({"kind": "indicated", "subject": subject(s)}),
-            Doubt::Absorbed { subject: s } => json!({"kind": "absorbed", "subject": subject(s)}),
+            Doubt::Absorbed { subject: s, .. } => json!({"kind": "absorbed", "subject": subject(s)}),
             Doubt::Wide { subject: s, wanted } => {
                 json!({"kind": "wide", "subject": subject(s), "parameter": wanted.parameter, "wanted_std": wanted.std})
             }
@@ -175,9 +175,8 @@ impl Next {
             Doubt::Rivals { claimed, rival, .. } => {
                 format!("{} or {}", self.named(claimed), self.named(rival))
             }
-            Doubt::Indicated { subject, .. } => format!("{} or nothing", self.named(subject)),
-            Doubt::Absorbed { subject } => {
-                format!("{} as large as the noise or nothing", self.named(subject))
+            Doubt::Indicated { subject, .. } | Doubt::Absorbed { subject, .. } => {
+                format!("{} or nothing", self.named(subject))
             }
             Doubt::Wide { subject, wanted } => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
