@@ -113,7 +113,7 @@ impl ScenarioFile {
     /// Reads a scenario from a file, planned and checked.
     ///
     /// # Errors
-    /// As [`Self::read`] and [`Self::scenario`], with the place of the table that is wrong.
+    /// As [`Self::parse`] and [`Self::scenario`], with the place of the table that is wrong; a file that cannot be read.
     pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, SimulationError> {
         let path = path.as_ref();
         let text = SimulationError::text_of(path)?;

@@ -51,7 +51,7 @@ pub struct Discrimination<'a> {
     /// Share of the rows that is independent.
     share: f64,
     /// Share of a joint's mean square by which an effect has to lower it.
-    least_reduction: f64,
+    reduction: f64,
     /// One over the variance of what the baseline leaves, by which the investigation tells what this absorbs.
     base_weights: Vec<f64>,
     /// The model that the investigation ends with.
@@ -76,18 +76,8 @@ impl<'a> Discrimination<'a> {
         let weights = of_moved_joints(problem, weights);
         let doubts = doubts(question, investigation, &fitted, wanted);
         let independent_hz = share * mean_rate_hz(&investigation.rows);
-        let least_reduction = question.selection.least_log_error(independent_hz).exp_m1();
-        Self {
-            question,
-            investigation,
-            registry,
-            weights,
-            share,
-            least_reduction,
-            base_weights,
-            fitted,
-            doubts,
-        }
+        let reduction = question.selection.least_log_error(independent_hz).exp_m1();
+        Self { question, investigation, registry, weights, share, reduction, base_weights, fitted, doubts }
     }
 
     /// The open questions, those of claims first.

@@ -180,7 +180,7 @@ impl<'a> JointRows<'a> {
             return None;
         }
         let own_gain = |start: &usize, half: &[Block]| fitted_gain(sums(&scanned[*start], half));
-        // Of each kind the one that gains most on a half, the best kind first.
+        // The start of each kind that gains most on a half, the best kind first.
         let best = |half: &[Block]| {
             let mut best: Vec<usize> = Vec::new();
             let mut order: Vec<usize> = (0..starts.len()).collect();
@@ -198,26 +198,28 @@ impl<'a> JointRows<'a> {
             return None;
         }
         let starts = best.map(|best| best.into_iter().map(|start| starts[start]).collect());
-        Some(self.tested(&halves, (starts, HALVINGS), &blocks, level))
+        self.tested(&halves, (starts, HALVINGS), &blocks, level)
     }
 
     /// A gear of this joint tested from a known shape; `None` where too few blocks judge.
     pub fn anew(&self, shape: Shape, among: Among, level: Level) -> Option<Found> {
         let blocks = self.blocks(among);
         let halves = halves(&blocks);
-        let halvings = if shape.half_gap_rad > 0.0 { HALVINGS_OF_KNOWN_PLAY } else { HALVINGS };
-        let enough = halves.iter().all(|h| 2 * h.len() >= FEWEST_PARTS);
+        if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
+            return None;
+        }
         let starts = [0, 1].map(|_| vec![shape]);
-        enough.then(|| self.tested(&halves, (starts, halvings), &blocks, level))
+        self.tested(&halves, (starts, halvings_of_known(shape)), &blocks, level)
     }
 
+    /// A gear refined from starts on each half and judged on the other; `None` without a start.
     fn tested(
         &self,
         halves: &[Vec<Block>; 2],
         (starts, halvings): ([Vec<Shape>; 2], Range<i32>),
         blocks: &[Block],
         level: Level,
-    ) -> Found {
+    ) -> Option<Found> {
         let mut gains = [0.0; 2];
         let mut log_gains = Vec::new();
         let mut shapes = Vec::new();
@@ -225,7 +227,7 @@ impl<'a> JointRows<'a> {
         for (k, starts) in starts.into_iter().enumerate() {
             let (fit, judge) = (&halves[k], &halves[1 - k]);
             let refined = starts.into_iter().map(|start| self.refined(start, fit, halvings.clone()));
-            let Some((shape, _)) = refined.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { continue };
+            let (shape, _) = refined.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
             let moments = self.moments(&self.all, shape);
             let amplitude = amplitude(sums(&moments, fit));
             for (s, b) in judge {
@@ -242,8 +244,8 @@ impl<'a> JointRows<'a> {
             fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
                 > fitted_gain(sums(&self.moments(&self.all, shapes[0]), blocks)),
         );
-        let known = if shapes[better].half_gap_rad > 0.0 { HALVINGS_OF_KNOWN_PLAY } else { HALVINGS };
-        let (shape, _) = self.refined(shapes[better], blocks, known);
+        let known = shapes[better];
+        let (shape, _) = self.refined(known, blocks, halvings_of_known(known));
         let own_power: f64 = {
             let power: Vec<&[f64]> = self.own.iter().map(Against::power).collect();
             blocks.iter().map(|(s, b)| power[*s][*b]).sum()
@@ -263,7 +265,7 @@ impl<'a> JointRows<'a> {
             fails: Vec::new(),
         };
         found.test(&shapes, &amplitudes, self.top_hz, level.level);
-        found
+        Some(found)
     }
 
     /// A pattern search from a start, with steps that have been halved as often, and what the shape gains.
@@ -361,6 +363,11 @@ impl Found {
     pub fn confirmed(&self) -> bool {
         self.fails.is_empty()
     }
+}
+
+/// Halvings of the steps that refine a known shape.
+fn halvings_of_known(shape: Shape) -> Range<i32> {
+    if shape.half_gap_rad > 0.0 { HALVINGS_OF_KNOWN_PLAY } else { HALVINGS }
 }
 
 /// The blocks of time that fit while the others judge, and those others.

@@ -41,10 +41,6 @@ pub(super) struct Deflection {
 const STEP_SHARE: f64 = 0.25;
 /// With play, impacts are within a step; shorter ones keep their instant.
 const STEP_SHARE_IN_PLAY: f64 = 0.2;
-/// The same while a flank bears the link: it rings above the rows, and no instant is to be kept.
-const STEP_SHARE_BORNE: f64 = 0.8;
-/// A flank bears a link that does not cover more than this share of the flank's twist within a row.
-const BORNE: f64 = 0.5;
 /// More steps a row are not needed where rows resolve the resonance.
 const MOST_STEPS: usize = 24;
 
@@ -62,9 +58,9 @@ impl Gear {
         let Some(first) = drive.load_nm.first() else { return out };
         let lightest = drive.inertia_kg_m2.iter().copied().fold(f64::INFINITY, f64::min);
         let omega = (self.stiffness_nm_rad / lightest.max(f64::MIN_POSITIVE)).sqrt();
-        let steps_of = |share: f64| ((omega * drive.period_s / share).ceil() as usize).clamp(1, MOST_STEPS);
-        let steps = steps_of(if PLAY { STEP_SHARE_IN_PLAY } else { STEP_SHARE });
-        let borne = steps_of(STEP_SHARE_BORNE);
+        let share = if PLAY { STEP_SHARE_IN_PLAY } else { STEP_SHARE };
+        let steps = ((omega * drive.period_s / share).ceil() as usize).clamp(1, MOST_STEPS);
+        let h = drive.period_s / steps as f64;
         let mut x = -first / self.stiffness_nm_rad - self.half_gap_rad * first.signum();
         let (mut v, mut a) = (0.0_f64, 0.0_f64);
         for row in 0..rows {
@@ -72,11 +68,6 @@ impl Gear {
             let (mut mean_x, mut mean_a) = (0.0, 0.0);
             let (inertia, gradient) = (drive.inertia_kg_m2[row], drive.gradient_nm_rad[row]);
             let (from, to) = (drive.load_nm[row.saturating_sub(1)], drive.load_nm[row]);
-            let pressed = (x - x.clamp(-self.half_gap_rad, self.half_gap_rad)).abs();
-            let covered = drive.period_s * (v.abs() + 0.5 * drive.period_s * a.abs());
-            let is_borne = PLAY && from * to > 0.0 && covered < BORNE * pressed;
-            let steps = if is_borne { borne } else { steps };
-            let h = drive.period_s / steps as f64;
             let count = if row == 0 { 1 } else { steps };
             let free = (inertia + 0.25 * h * h * gradient).recip();
             let touching =

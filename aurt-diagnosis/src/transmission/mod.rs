@@ -38,7 +38,7 @@ use against::OwnFreed;
 pub(crate) use claim::AMPLITUDE;
 use claim::{Among, Found, JointRows, LEAST_GAIN, Level, Visible};
 use gravity::GravityGradients;
-use rows::Rows;
+use rows::{Kind, Rows};
 use shape::{Inertia, Shape};
 
 /// A gear that gives way or has play.
@@ -153,16 +153,16 @@ pub fn find_gears(
         trials: question.model.joints() as f64 * ways.iter().product::<f64>(),
     };
     loop {
-        let freed = |most_hz: f64| {
+        let freed = |kind: Kind| {
             pieces
                 .par_iter()
                 .map(|p| {
-                    let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz, most_hz)?;
+                    let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz, kind)?;
                     Ok(OwnFreed::new(rows, p.target))
                 })
                 .collect::<Result<Vec<_>, DiagnosisError>>()
         };
-        let freed = [freed(ELASTIC_TOP_HZ)?, freed(PLAY_TOP_HZ)?];
+        let freed = [freed(Kind::Elastic)?, freed(Kind::Play)?];
         let open: Vec<usize> = (0..question.model.joints())
             .filter(|j| gears.found.iter().all(|g| !g.confirmed || g.joint != *j))
             .collect();
@@ -207,7 +207,7 @@ pub(crate) fn gears_anew(
     let level = Level { level: question.selection.level, trials: 1.0 };
     let anew = |gear: &Shaking| -> Result<Shaking, DiagnosisError> {
         let others = || gears.iter().filter(|g| g.confirmed && g.joint != gear.joint);
-        let most_hz = if gear.gap_rad[0] > 0.0 { PLAY_TOP_HZ } else { ELASTIC_TOP_HZ };
+        let kind = Kind::of(gear.gap_rad[0]);
         let freed = pieces
             .par_iter()
             .map(|p| {
@@ -215,7 +215,7 @@ pub(crate) fn gears_anew(
                 for other in others().filter(|g| g.present[usize::from(p.target)]) {
                     undo::take_off(&undo::torque(other, &p.full, &p.gradients), &mut full.residual);
                 }
-                let rows = Rows::new(p.segment, &full, &p.gradients, p.position_cutoff_hz, most_hz)?;
+                let rows = Rows::new(p.segment, &full, &p.gradients, p.position_cutoff_hz, kind)?;
                 Ok(OwnFreed::new(rows, p.target))
             })
             .collect::<Result<Vec<_>, DiagnosisError>>()?;

@@ -7,6 +7,7 @@ use super::link::{Deflection, Drive, Gear};
 use super::series::FullRate;
 use super::shape::Inertia;
 use super::whiten::Whitener;
+use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ};
 use crate::error::DiagnosisError;
 
 /// Rows end at this share of the cut-off of the positions' filter: there it still passes 0.86 of the motion.
@@ -18,7 +19,7 @@ const ROWS_PER_PERIOD: f64 = 3.6;
 /// Least rate at which a link with play is simulated, Hz: when it leaves a flank, and when it strikes the other, depend on its load's fast
 /// part. A gap of 30 mrad that explains 0.87 of a joint's residual from loads of 100 Hz explains 0.65 from loads below 12 Hz.
 const LINK_HZ: f64 = 100.0;
-/// Cut-off of the loads that are thinned out to this rate, in units of it.
+/// Cut-off of the loads that are thinned out to this rate, in units of it: the filter passes a seventh at half the rate.
 const OF_LINK_RATE: f64 = 0.4;
 /// Memory of the whitening filter, s: two periods of 10 Hz.
 const WHITENED_S: f64 = 0.2;
@@ -37,10 +38,8 @@ pub(super) struct Rows {
     pub top_hz: f64,
     /// `[joint][row]`.
     links: Links,
-    /// The same for links with play, at least [`LINK_HZ`] where the recording has it.
-    finer: Links,
-    /// The filter of the rows at the rate of `finer`.
-    low: ZeroPhase,
+    /// The same for links with play, at least [`LINK_HZ`] where the recording has it, and the rows' filter at that rate.
+    finer: Option<(Links, ZeroPhase)>,
     pub velocity_rad_s: Vec<Vec<f64>>,
     /// M_ij and ∂g_i/∂q_j, `[j][i][row]`.
     inertia_kg_m2: Vec<Vec<Vec<f64>>>,
@@ -59,19 +58,43 @@ pub(super) struct Rows {
 struct Links {
     /// Samples per row.
     per_row: usize,
-    /// The load that the model predicts, …
+    /// The load that the model predicts.
     load_nm: Vec<Vec<f64>>,
-    /// … and the measured one: its noise is that of the torque, and not that of the positions.
-    measured_nm: Vec<Vec<f64>>,
+    /// The measured load less the predicted one.
+    residual: Vec<Vec<f64>>,
     acceleration_rad_s2: Vec<Vec<f64>>,
+}
+
+/// Gears that rows are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Gears that give way.
+    Elastic,
+    /// Gears with play.
+    Play,
+}
+
+impl Kind {
+    /// The kind of a gear.
+    pub fn of(half_gap_rad: f64) -> Self {
+        if half_gap_rad > 0.0 { Self::Play } else { Self::Elastic }
+    }
+
+    /// Highest frequency of the rows, Hz.
+    const fn top_hz(self) -> f64 {
+        match self {
+            Self::Elastic => ELASTIC_TOP_HZ,
+            Self::Play => PLAY_TOP_HZ,
+        }
+    }
 }
 
 /// The torque that drives a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Load {
-    /// That of the model.
+    /// The torque of the rigid model.
     Predicted,
-    /// The measured one, less friction.
+    /// The measured torque, less friction: its noise is not that of the positions.
     Measured,
 }
 
@@ -83,13 +106,8 @@ impl Links {
             let thin = |series: Vec<f64>| series.into_iter().step_by(step).collect();
             Ok(low.filter_all(series)?.into_iter().map(thin).collect())
         };
-        let load_nm = passed(&full.load)?;
-        let mut measured_nm = passed(&full.residual)?;
-        for (measured, load) in measured_nm.iter_mut().zip(&load_nm) {
-            measured.iter_mut().zip(load).for_each(|(m, l)| *m += l);
-        }
-        let acceleration_rad_s2 = passed(&full.acceleration_rad_s2)?;
-        Ok(Self { per_row, load_nm, measured_nm, acceleration_rad_s2 })
+        let (load_nm, residual) = (passed(&full.load)?, passed(&full.residual)?);
+        Ok(Self { per_row, load_nm, residual, acceleration_rad_s2: passed(&full.acceleration_rad_s2)? })
     }
 }
 
@@ -97,20 +115,25 @@ impl Links {
 pub(super) const LEAST_INERTIA: f64 = 0.2;
 
 impl Rows {
-    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`, up to `most_hz`.
+    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`.
     pub fn new(
         segment: &Segment,
         full: &FullRate,
         gradients: &GravityGradients,
         position_cutoff_hz: f64,
-        most_hz: f64,
+        kind: Kind,
     ) -> Result<Self, DiagnosisError> {
-        let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz).min(most_hz);
+        let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz).min(kind.top_hz());
         let step = ((full.rate_hz / (ROWS_PER_PERIOD * top_hz)) as usize).max(1);
         let of_links = ((full.rate_hz / LINK_HZ) as usize).clamp(1, step);
         let per_row = step / of_links;
         let step = of_links * per_row;
-        let finer_hz = top_hz.max(OF_LINK_RATE * full.rate_hz / of_links as f64);
+        let links = Links::new(full, step, 1, top_hz)?;
+        let finer = (kind == Kind::Play).then(|| {
+            let rate_hz = full.rate_hz / of_links as f64;
+            let links = Links::new(full, of_links, per_row, top_hz.max(OF_LINK_RATE * rate_hz))?;
+            Ok::<_, DiagnosisError>((links, ZeroPhase::butterworth(4, top_hz, rate_hz)?))
+        });
         let rate_hz = full.rate_hz / step as f64;
         let low = ZeroPhase::butterworth(4, top_hz, full.rate_hz)?;
         let thin = |series: Vec<f64>| -> Vec<f64> { series.into_iter().step_by(step).collect() };
@@ -119,9 +142,9 @@ impl Rows {
         };
         let joints = full.joints();
         let motion = segment.motion.view();
-        let residual = passed(&full.residual)?;
         let of = |series: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> { (0..joints).map(series).collect() };
         let velocity_rad_s = passed(&of(&|j| motion.velocity_rad_s(j).to_vec()))?;
+        let residual = &links.residual;
         let rows = residual.first().map_or(0, Vec::len);
         let table = |at: &dyn Fn(usize, usize, usize) -> f64| -> Vec<Vec<Vec<f64>>> {
             let column = |j: usize, i: usize| (0..rows).map(|k| at(j, i, k * step)).collect();
@@ -154,9 +177,8 @@ impl Rows {
         Ok(Self {
             rate_hz,
             top_hz,
-            links: Links::new(full, step, 1, top_hz)?,
-            finer: Links::new(full, of_links, per_row, finer_hz)?,
-            low: ZeroPhase::butterworth(4, top_hz, full.rate_hz / of_links as f64)?,
+            links,
+            finer: finer.transpose()?,
             velocity_rad_s,
             inertia_kg_m2,
             gradient_nm_rad,
@@ -189,15 +211,15 @@ impl Rows {
     /// The motion of a joint's link against its motor, as the rows' filter passes it.
     pub fn deflection(&self, joint: usize, gear: Gear, load: Load) -> Deflection {
         // A link without play is linear: it may be driven by what the filter has passed.
-        let links = if gear.half_gap_rad > 0.0 { &self.finer } else { &self.links };
-        let of_joint = match load {
-            Load::Predicted => &links.load_nm[joint],
-            Load::Measured => &links.measured_nm[joint],
-        };
+        let finer = self.finer.as_ref().filter(|_| gear.half_gap_rad > 0.0);
+        let links = finer.map_or(&self.links, |(links, _)| links);
+        let of_residual = if load == Load::Measured { 1.0 } else { 0.0 };
         let own = &self.inertia_kg_m2[joint][joint];
         let least = LEAST_INERTIA * self.inertia(joint).map_or(f64::MIN_POSITIVE, |m| m.mean_kg_m2);
-        let moved = of_joint.iter().zip(&links.acceleration_rad_s2[joint]);
-        let load: Vec<f64> = moved.map(|(load, q)| load - gear.rotor_kg_m2 * q).collect();
+        let moved = links.load_nm[joint].iter().zip(&links.residual[joint]);
+        let moved = moved.zip(&links.acceleration_rad_s2[joint]);
+        let load: Vec<f64> =
+            moved.map(|((load, r), q)| load + of_residual * r - gear.rotor_kg_m2 * q).collect();
         let at_links = |series: &[f64], value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             let rows = series.iter().flat_map(|v| std::iter::repeat_n(value(*v), links.per_row));
             rows.take(load.len()).collect()
@@ -208,11 +230,9 @@ impl Rows {
             inertia_kg_m2: &at_links(own, &|m| (m - gear.rotor_kg_m2).max(least)),
             gradient_nm_rad: &at_links(&self.gradient_nm_rad[joint][joint], &|g| g),
         });
-        if gear.half_gap_rad == 0.0 {
-            return moved;
-        }
+        let Some((_, low)) = finer else { return moved };
         // The series is as long as those that the rows were made of: the filter takes it.
-        let passed = self.low.filter_all(&[moved.angle_rad, moved.acceleration_rad_s2]).unwrap_or_default();
+        let passed = low.filter_all(&[moved.angle_rad, moved.acceleration_rad_s2]).unwrap_or_default();
         let mut thin = passed.into_iter().map(|series| series.into_iter().step_by(links.per_row).collect());
         let mut next = || thin.next().unwrap_or_default();
         Deflection { angle_rad: next(), acceleration_rad_s2: next() }

@@ -8,7 +8,7 @@ use aurt_traits::MeasurementUnit;
 use super::against::OwnFreed;
 use super::claim::{Among, Found, JointRows, Level};
 use super::gravity::GravityGradients;
-use super::rows::Rows;
+use super::rows::{Kind, Rows};
 use super::series::FullRate;
 use super::shape::Shape;
 use crate::noise::inertia::InertiaColumns;
@@ -136,7 +136,7 @@ fn searched(motors: Motors) -> Option<Found> {
         &full,
         &GravityGradients::none(2),
         options.effective_position_cutoff_hz(),
-        if half_gap_rad > 0.0 { super::PLAY_TOP_HZ } else { f64::INFINITY },
+        Kind::of(half_gap_rad),
     );
     let freed = [OwnFreed::new(rows.unwrap(), false)];
     let rows = JointRows::new(&freed, 0).unwrap().unwrap();

@@ -293,7 +293,7 @@ fn what_a_servo_lacks_is_named_and_exported() {
     assert_eq!(model.to_isaac("servo", None).unwrap().lost.len(), 2);
 }
 
-/// Whether the folder of public recordings is there and has these.
+/// Presence of files in the folder of public recordings.
 fn has_data(folder: &str) -> bool {
     let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
     let found = data.is_some_and(|data| data.join(folder).is_dir());
