@@ -23,8 +23,9 @@ pub struct DriveInput<'a> {
     pub time_s: f64,
     /// Length of the step, s.
     pub step_s: f64,
-    /// The command at a time in s, as its [`CommandSignal`] has it, in the unit of [`DriveModel::command`].
-    pub command: &'a dyn Fn(Jet) -> Jet,
+    /// The mean of the command over a window about a time, both in s, as its [`CommandSignal`] has it, in the unit of
+    /// [`DriveModel::command`].
+    pub command: &'a dyn Fn(Jet, f64) -> Jet,
     /// Position of the joint at the middle of the step, in rad.
     pub position_rad: Jet,
     /// Velocity at the start of the step, in rad/s.

@@ -7,7 +7,9 @@
 //! the floor's friction held (with it they explode in stick–slip); eight directions in each pass of the simulation.
 //!
 //! # Deviations
-//! Those of the jackknife over blocks of about [`Options::block_s`], for errors that last (`deviations.rs`).
+//! Those of the jackknife over blocks of about [`Options::block_s`], for errors that last (`deviations.rs`), and what numbers
+//! that are given may be off: with b ± s_b given instead of estimated, θ̂ moves by −H⁻¹ JᵀWJ_b for each, and
+//! Σ = Σ_jackknife + H⁻¹ JᵀWJ_b S_b² J_bᵀWJ H⁻¹. A gain is known no better than the masses that it lifts.
 //!
 //! # Source
 //! Gautier, Janot, Vandanjon (2013), *A new closed-loop output error method for parameter identification of robot dynamics*,
@@ -24,7 +26,7 @@ use rayon::prelude::*;
 
 use crate::drives::{
     DriveError, DriveRecording, DrivenArm, LONGEST_STEP_S,
-    columns::{Column, Selection, columns},
+    columns::{Column, Selection, columns, given},
     determined::{Undetermined, undetermined},
     deviations::{Stretch, covariance, stretch_s},
 };
@@ -119,10 +121,12 @@ pub fn output_error(
     recordings: &[DriveRecording],
     options: &Options,
 ) -> Result<OutputErrorFit, DriveError> {
-    output_error_from(arm, selection, recordings, options, arm)
+    let mut fit = output_error_from(arm, selection, recordings, options, arm)?;
+    fit.widen(selection, recordings, options)?;
+    Ok(fit)
 }
 
-/// The same, with the search starting at the numbers of `from`, an arm with the same parts.
+/// The same, with the search starting at the numbers of `from`, an arm with the same parts, and what is given taken as exact.
 ///
 /// # Errors
 /// As [`output_error`].
@@ -194,6 +198,43 @@ pub fn output_error_from(
         converged,
         seconds: began.elapsed().as_secs_f64(),
     })
+}
+
+impl OutputErrorFit {
+    /// Widens the deviations by what numbers that are given may be off.
+    ///
+    /// # Errors
+    /// As [`output_error`].
+    pub fn widen(
+        &mut self,
+        selection: &Selection,
+        recordings: &[DriveRecording],
+        options: &Options,
+    ) -> Result<(), DriveError> {
+        let mut columns = columns(&self.arm, selection)?;
+        let estimated = columns.len();
+        columns.extend(given(&self.arm, selection)?);
+        if columns.len() == estimated {
+            return Ok(());
+        }
+        let pieces = options.pieces(recordings)?;
+        let problem = Problem::new(&self.arm, &columns, &pieces, options);
+        let theta: Vec<f64> = columns.iter().map(|c| c.start).collect();
+        let at = problem.linearised(&theta)?;
+        self.passes += problem.passes.into_inner();
+        let fixed: Vec<bool> = self.numbers.iter().map(|n| n.at_bound).collect();
+        let own =
+            Linearised { information: at.information.view((0, 0), (estimated, estimated)).into(), ..at };
+        let mut of_given: DMatrix<f64> =
+            at.information.view((0, estimated), (estimated, columns.len() - estimated)).into();
+        (0..estimated).filter(|k| fixed[*k]).for_each(|k| of_given.row_mut(k).fill(0.0));
+        let Some(curvature) = own.curvature(&fixed).cholesky() else { return Ok(()) };
+        let moves = curvature.solve(&of_given);
+        for ((number, column), moves) in self.numbers.iter_mut().zip(&columns).zip(moves.row_iter()) {
+            number.deviation = number.deviation.hypot(column.deviation * moves.norm());
+        }
+        Ok(())
+    }
 }
 
 pub(crate) struct Problem<'a> {

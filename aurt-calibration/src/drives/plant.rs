@@ -116,7 +116,13 @@ impl<'a> Plant<'a> {
     }
 
     /// Moves on by `substeps` steps of `step_s` from `time_s`; `command` is each joint's by time.
-    pub fn sample(&mut self, time_s: f64, step_s: f64, substeps: usize, command: &dyn Fn(usize, Jet) -> Jet) {
+    pub fn sample(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        substeps: usize,
+        command: &dyn Fn(usize, Jet, f64) -> Jet,
+    ) {
         self.bodies_at_middle(0.5 * step_s * substeps as f64);
         for k in 0..substeps {
             self.step(time_s + (k as f64 + 0.5) * step_s, step_s, command);
@@ -141,7 +147,7 @@ impl<'a> Plant<'a> {
         touch.at = at;
     }
 
-    fn step(&mut self, time_s: f64, h: f64, command: &dyn Fn(usize, Jet) -> Jet) {
+    fn step(&mut self, time_s: f64, h: f64, command: &dyn Fn(usize, Jet, f64) -> Jet) {
         let n = self.q.len();
         let mut load = self.bias.clone();
         let mut matrix = self.mass.clone();
@@ -155,7 +161,7 @@ impl<'a> Plant<'a> {
             let input = DriveInput {
                 time_s,
                 step_s: h,
-                command: &|t| command(j, t),
+                command: &|t, window_s| command(j, t, window_s),
                 position_rad: self.q[j] + velocity * (0.5 * h),
                 velocity_rad_s: velocity,
             };

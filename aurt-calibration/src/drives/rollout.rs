@@ -160,10 +160,10 @@ impl DrivenArm {
             let span_s = time_s[k] - time_s[k - 1];
             let substeps = (span_s / longest_step_s * (1.0 - 1e-9)).ceil().max(1.0);
             let step_s = span_s / substeps;
-            let command = |joint: usize, t: Jet| {
+            let command = |joint: usize, t: Jet, window_s: f64| {
                 let sent = Sent { time_s, series: &recording.command[joint] };
                 match self.command {
-                    CommandSignal::Hold => sent.held(t, step_s, k),
+                    CommandSignal::Hold => sent.held(t, window_s, k),
                     CommandSignal::Linear => sent.interpolated(t, k),
                 }
             };

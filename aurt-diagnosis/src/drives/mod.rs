@@ -204,6 +204,7 @@ pub fn diagnose(
         model = trial;
     };
 
+    model.fit.widen(&model.selection, fitted, options)?;
     let mut taken = Vec::new();
     let is_taken = |s: &&Structure| {
         let is_there = s.is_in(&model.fit.arm) || s.is_selected(&model.selection);

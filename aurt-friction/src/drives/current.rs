@@ -17,5 +17,5 @@ drive_numbers! {
 drive!(CurrentDrive, "current", Current, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
-    DriveTorque { torque: p[0] * (input.command)(-p[1] + input.time_s), damping: Jet::ZERO }
+    DriveTorque { torque: p[0] * (input.command)(-p[1] + input.time_s, input.step_s), damping: Jet::ZERO }
 }

@@ -22,8 +22,8 @@ drive_numbers! {
 drive!(PdLaw, "pd_law", Position, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
-    let wanted =
-        p[0] * ((input.command)(-p[2] + input.time_s) - input.position_rad) - p[1] * input.velocity_rad_s;
+    let wanted = p[0] * ((input.command)(-p[2] + input.time_s, input.step_s) - input.position_rad)
+        - p[1] * input.velocity_rad_s;
     let torque = wanted.clamp(p[3]);
     DriveTorque { torque, damping: if torque == wanted { p[1] } else { Jet::ZERO } }
 }
@@ -39,7 +39,7 @@ mod tests {
             PdLaw { gain_nm_per_rad: 20.0, damping_nm_s_per_rad: 1.5, torque_limit_nm: 5.0, delay_s: 0.1 };
         let p: Vec<Jet> = law.parameters().iter().map(|p| Jet::constant(p.value)).collect();
         let torque = |position: f64, velocity: f64| {
-            let command = |t: Jet| t;
+            let command = |t: Jet, _: f64| t;
             let input = DriveInput {
                 time_s: 0.5,
                 step_s: 0.01,

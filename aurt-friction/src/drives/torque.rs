@@ -15,5 +15,5 @@ drive_numbers! {
 drive!(TorqueDrive, "torque", Torque, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
-    DriveTorque { torque: (input.command)(-p[0] + input.time_s), damping: Jet::ZERO }
+    DriveTorque { torque: (input.command)(-p[0] + input.time_s, input.step_s), damping: Jet::ZERO }
 }

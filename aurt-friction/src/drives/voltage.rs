@@ -22,6 +22,6 @@ drive_numbers! {
 drive!(VoltageDrive, "voltage", Voltage, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
-    let driven = p[0] * (input.command)(-p[2] + input.time_s);
+    let driven = p[0] * (input.command)(-p[2] + input.time_s, input.step_s);
     DriveTorque { torque: driven - p[1] * input.velocity_rad_s, damping: p[1] }
 }

@@ -220,6 +220,61 @@ fn held_commands_are_estimated_as_held() {
     assert!(linear[2] > 0.038 && rms < 3e-4 && rms_linear > 2.0 * rms, "{linear:?} {rms} {rms_linear}");
 }
 
+/// A reference that slews sets out when the command jumps: its delay and its limit are both told by when and how fast it moves.
+#[test]
+fn a_limited_reference_tells_its_delay() {
+    let servo = PositionServo {
+        gain_nm_per_rad: 8.0,
+        back_emf_nm_s_per_rad: 0.35,
+        delay_s: 0.013,
+        speed_limit_rad_s: 4.8,
+        ..PositionServo::default()
+    };
+    let mut truth = slide(Mechanics::default(), Box::new(servo.clone()));
+    truth.joints[0].mechanics =
+        Mechanics { rotor_inertia_kg_m2: 0.02, coulomb_nm: 0.1, ..Mechanics::default() };
+    truth.command = CommandSignal::Hold;
+    let sent =
+        |t: f64| vec![[0.5, -0.4, 0.1, -0.6][((t + 1e-9) / 0.37) as usize % 4] + 0.2 * (2.3 * t).sin()];
+    // Commands come at stamps that are no whole steps of any simulation.
+    let period_s = 0.0193;
+    let stairs =
+        recorded(2000.0, 12.0, &|t| sent(((t + 1e-9) / period_s).floor() * period_s), &[sent(0.0)[0]]);
+    let q = truth.rollout(&stairs).unwrap().swap_remove(0);
+    let mut recording = recorded(1.0 / period_s, 11.9, &sent, &[0.0]);
+    recording.position_rad =
+        vec![recording.time_s.iter().map(|t| q[((t + 1e-9) * 2000.0).round() as usize]).collect()];
+    let mut start = truth.clone();
+    let off = PositionServo { delay_s: 0.02, speed_limit_rad_s: 6.0, ..servo };
+    start.joints[0].drive = Box::new(off);
+    let estimate = ["delay_s", "speed_limit_rad_s"].map(str::to_owned).to_vec();
+    let selection = Selection { estimate, ..Selection::default() };
+    let options = Options { deviation_rad: 1e-3, ..Options::default() };
+    let fit = output_error(&start, &selection, std::slice::from_ref(&recording), &options).unwrap();
+    let [delay, limit] = [0, 1].map(|k| fit.numbers[k].value);
+    assert!((delay - 0.013).abs() < 3e-4 && (limit / 4.8 - 1.0).abs() < 0.01, "{delay} {limit}");
+}
+
+/// A gain is known no better than the masses that it lifts.
+#[test]
+fn what_is_given_widens_what_is_estimated() {
+    let truth = arm();
+    let mut recording = recorded(50.0, 12.0, &waves, &[0.0, 0.0]);
+    recording.position_rad = truth.rollout(&recording).unwrap();
+    let deviation = |deviations: Vec<(String, f64)>| {
+        let selection =
+            Selection { estimate: vec!["gain_nm_per_rad_0".to_owned()], deviations, ..Selection::default() };
+        let options = Options { deviation_rad: 1e-3, ..Options::default() };
+        let fit = output_error(&truth, &selection, std::slice::from_ref(&recording), &options).unwrap();
+        fit.numbers[0].deviation / fit.numbers[0].value
+    };
+    let of_mass = |share: f64| deviation(vec![("mass_scale".to_owned(), share)]);
+    let (exact, unstated, stated) = (of_mass(1e-9), deviation(Vec::new()), of_mass(0.05));
+    // All torques but those of the rotors are in proportion to the masses, that of both links together.
+    assert!(exact < 2e-3 && unstated > 0.005 && unstated < 0.02, "{exact} {unstated}");
+    assert!((stated / unstated / 2.5 - 1.0).abs() < 0.1, "{stated} {unstated}");
+}
+
 #[test]
 fn pieces_that_are_too_short_are_refused() {
     let slide = slide(Mechanics::default(), Box::new(TorqueDrive::default()));

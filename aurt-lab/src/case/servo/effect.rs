@@ -2,7 +2,10 @@
 
 use aurt_simulation::{Random, effects::Family};
 
-use super::arm::{Servo, ServoArm};
+use super::{
+    arm::{Servo, ServoArm},
+    plant::WAITS_S,
+};
 
 /// A parameter by its name in verdicts, whether it is that of all joints, and its value.
 type Parameter = (&'static str, bool, fn(&Servo) -> f64);
@@ -28,7 +31,7 @@ pub(super) const EFFECTS: [ServoEffect; 11] = [
         family: Family::D,
         sizes: [1e-3, 0.08],
         in_vocabulary: true,
-        parameter: Some(("delay_s", true, |s| s.delay_s)),
+        parameter: Some(("delay_s", true, |s| s.delay_s + WAITS_S)),
         put: |arm, size, _| arm.servos.iter_mut().for_each(|s| s.delay_s = size),
     },
     ServoEffect {
