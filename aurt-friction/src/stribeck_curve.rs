@@ -1,5 +1,7 @@
 //! The Stribeck curve that `stribeck`, `lugre`, `lugre_damped` and `gms` share.
 
+use serde::{Deserialize, Serialize};
+
 use crate::shape::Shape;
 
 /// Stribeck velocity v_S.
@@ -9,14 +11,31 @@ pub(crate) const COULOMB_RATIO: Shape = Shape::linear("coulomb_ratio", "1", 0.05
 /// Exponent δ.
 pub(crate) const STRIBECK_EXPONENT: Shape = Shape::linear("stribeck_exponent", "1", 0.5, 3.0);
 
-/// exp(−|v/v_S|^δ), which falls from 1 at rest to 0.
+/// The law by which an excess falls from 1 at rest to 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StribeckLaw {
+    /// exp(−|v/v_S|^δ), of Bo and Pavelescu (1982).
+    #[default]
+    Exponential,
+    /// 1/(1 + |v/v_S|^δ), of Hess and Soom (1990): half of the excess is gone at v_S, and its tail is long.
+    Rational,
+}
+
+/// A Stribeck law at its velocity and exponent.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Decay {
+    pub(crate) law: StribeckLaw,
     pub(crate) velocity_rad_s: f64,
     pub(crate) exponent: f64,
 }
 
 impl Decay {
+    /// That of the exponential law.
+    pub(crate) const fn exponential(velocity_rad_s: f64, exponent: f64) -> Self {
+        Self { law: StribeckLaw::Exponential, velocity_rad_s, exponent }
+    }
+
     /// The decay at velocity `v`.
     #[inline]
     pub(crate) fn at(self, v: f64) -> f64 {
@@ -29,7 +48,10 @@ impl Decay {
         } else {
             libm::pow(x, self.exponent)
         };
-        libm::exp(-power)
+        match self.law {
+            StribeckLaw::Exponential => libm::exp(-power),
+            StribeckLaw::Rational => 1.0 / (1.0 + power),
+        }
     }
 }
 

@@ -286,8 +286,10 @@ effects! {
     }
     /// Dry friction that grows with the load.
     LoadDependentFriction = "load_dependent_friction" {
-        /// Friction per load, Nm/Nm, or per its square, 1/Nm.
-        load_coefficient: Vec<Estimate>,
+        /// Friction per load, Nm/Nm.
+        load_coefficient: Option<Vec<Estimate>>,
+        /// Friction per square of the load, 1/Nm.
+        load_coefficient_per_nm: Option<Vec<Estimate>>,
         /// Power of the load: 1 or 2.
         power: Vec<Estimate>,
     }

@@ -4,7 +4,8 @@
 //! τ = F_1 |τ_J| sgn q̇, or F_1 τ_J² sgn q̇: the teeth of a gear are pressed together by the transmitted torque
 //! τ_J, and friction grows in proportion.
 //!
-//! - `load_coefficient`: F_1 ≥ 0, 0.06–0.15 Nm/Nm on harmonic drives (1/Nm for the square);
+//! - `load_coefficient`: F_1 ≥ 0 of |τ_J|, 0.06–0.15 Nm/Nm on harmonic drives;
+//! - `load_coefficient_per_nm`: that of τ_J², 1/Nm;
 //! - `power`: 1 for |τ_J|, 2 for its square.
 //!
 //! # How it shows
@@ -43,7 +44,11 @@ pub static EFFECT: Effect = Effect {
     title: "friction that grows with the load the joint carries",
     decider: "the same motion with and without a known payload",
     source: include_str!("load_dependent_friction.rs"),
-    parameters: &[Parameter::new("load_coefficient", Unit::One), Parameter::new("power", Unit::One)],
+    parameters: &[
+        Parameter::new("load_coefficient", Unit::One),
+        Parameter::new("load_coefficient_per_nm", Unit::PerTorque),
+        Parameter::new("power", Unit::One),
+    ],
     generalises: &[&coulomb::EFFECT],
     reads_model: true,
     propose: |context| {
@@ -58,7 +63,9 @@ pub static EFFECT: Effect = Effect {
     estimate: Some(|proposal, fitted, _| {
         let mut parameters = proposal.fixed_parameters();
         if let Some((_, value, std)) = fitted.last() {
-            parameters.insert("load_coefficient".to_owned(), ParameterValue::new(*value, *std));
+            let is_square = proposal.fixed.get("power") == Some(&2.0);
+            let name = if is_square { "load_coefficient_per_nm" } else { "load_coefficient" };
+            parameters.insert(name.to_owned(), ParameterValue::new(*value, *std));
         }
         parameters
     }),

@@ -60,6 +60,8 @@ pub enum Rest {
     Noise,
     /// Something that the model lacks.
     Something,
+    /// Something that the trees predict, smaller than what the model is expected to miss.
+    Expected,
     /// There are too few rows to tell.
     TooLittleData,
 }
@@ -81,6 +83,18 @@ pub struct Remainder {
     /// What the predictable part follows, largest first; empty where nothing is predicted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub follows: Vec<Follows>,
+}
+
+impl Remainder {
+    /// Something of which less than `expected` is left, with `rms` of all that is, is what was to be expected.
+    #[must_use]
+    pub fn beside(mut self, expected: f64, rms: f64) -> Self {
+        let part = self.predictable.map_or(0.0, |share| share.value.max(0.0).sqrt() * rms);
+        if self.rest == Rest::Something && part < expected {
+            self.rest = Rest::Expected;
+        }
+        self
+    }
 }
 
 /// A recording's rows with what the models leave of them.

@@ -11,6 +11,8 @@ pub enum Unit {
     Measurement,
     /// Nm.
     Torque,
+    /// 1/Nm.
+    PerTorque,
     /// Nm s/rad.
     Damping,
     /// Nm/rad.
@@ -42,6 +44,7 @@ impl Unit {
             Self::One => ["", ""],
             Self::Measurement => ["", "Nm"],
             Self::Torque => ["_nm", "Nm"],
+            Self::PerTorque => ["_per_nm", "1/Nm"],
             Self::Damping => ["_nm_s", "Nm s/rad"],
             Self::Stiffness => ["_nm_rad", "Nm/rad"],
             Self::Inertia => ["_kg_m2", "kg m²"],
@@ -61,6 +64,7 @@ impl Unit {
         match self {
             Self::Measurement => ["", "A"],
             Self::Torque => ["_a", "A"],
+            Self::PerTorque => ["_per_a", "1/A"],
             Self::Damping => ["_a_s", "A s/rad"],
             Self::Stiffness => ["_a_rad", "A/rad"],
             Self::Inertia => ["_a_per_nm_kg_m2", "A/Nm kg m²"],

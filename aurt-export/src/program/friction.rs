@@ -82,7 +82,7 @@ fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
     }
 }
 
-/// e^(−|q̇/v_S|^δ).
+/// e^(−|q̇/v_S|^δ), or 1/(1 + |q̇/v_S|^δ) of the rational law.
 pub(crate) fn decay(
     tape: &mut Tape,
     description: &Json,
@@ -100,6 +100,10 @@ pub(crate) fn decay(
     } else {
         tape.call(Function::Pow, &[x, Value::Constant(exponent)])
     };
+    if description.get("law").is_some_and(|law| law == "rational") {
+        let sum = tape.add(Value::Constant(1.0), power);
+        return Ok(tape.call(Function::Pow, &[sum, Value::Constant(-1.0)]));
+    }
     let minus = tape.negate(power);
     Ok(tape.call(Function::Exp, &[minus]))
 }

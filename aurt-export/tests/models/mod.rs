@@ -103,7 +103,13 @@ pub fn two_arms() -> SerialChain {
 
 fn stack(joint: usize) -> JointStack {
     let stribeck = |stribeck_exponent, load| {
-        Box::new(Stribeck { stribeck_velocity_rad_s: 0.3, stribeck_exponent, load, level: joint != 3 })
+        Box::new(Stribeck {
+            stribeck_velocity_rad_s: 0.3,
+            stribeck_exponent,
+            load,
+            level: joint != 3,
+            ..Stribeck::default()
+        })
     };
     let tanh = || Box::new(Tanh { velocity_rad_s: 0.02 });
     let polynomial = |powers: &[u32]| Box::new(Polynomial { powers: powers.to_vec() });

@@ -73,7 +73,7 @@ impl LuGre {
     pub(crate) const fn curve(&self) -> StribeckCurve {
         StribeckCurve {
             coulomb_ratio: self.coulomb_ratio,
-            decay: Decay { velocity_rad_s: self.stribeck_velocity_rad_s, exponent: self.stribeck_exponent },
+            decay: Decay::exponential(self.stribeck_velocity_rad_s, self.stribeck_exponent),
         }
     }
 

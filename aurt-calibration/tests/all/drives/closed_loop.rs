@@ -230,7 +230,7 @@ fn a_limited_reference_tells_its_delay() {
         speed_limit_rad_s: 4.8,
         ..PositionServo::default()
     };
-    let mut truth = slide(Mechanics::default(), Box::new(servo.clone()));
+    let mut truth = slide(Mechanics::default(), Box::new(servo));
     truth.joints[0].mechanics =
         Mechanics { rotor_inertia_kg_m2: 0.02, coulomb_nm: 0.1, ..Mechanics::default() };
     truth.command = CommandSignal::Hold;

@@ -71,6 +71,14 @@ pub fn diagnose_drives(
         &fitted.iter().zip(rolled(&fitted)?).collect::<Vec<_>>(),
         &held_out.iter().zip(rolled(&held_out)?).collect::<Vec<_>>(),
     );
+    let missed = &found.missed_improved.rms_rad;
+    let rests: Vec<Remainder> = rests
+        .into_iter()
+        .map(|rest| {
+            let rms = missed[rest.joint];
+            rest.beside(options.deviation_rad, rms)
+        })
+        .collect();
     let joint_names = experiment.robot.robot_joints().names;
     let improved = CalibratedDrive { drive_schema: 1, joint_names, arm: found.improved.arm.clone() };
     let said = Said {
@@ -123,7 +131,7 @@ struct Said<'a> {
 }
 
 impl Said<'_> {
-    /// Whether more is left than the model is expected to miss, or a black box predicts it.
+    /// Whether more is left than the model is expected to miss, or a black box predicts as much.
     fn something_is_left(&self) -> bool {
         self.found.missed_improved.rms_all_rad() > EXPECTED * self.options.deviation_rad
             || self.rests.iter().any(|r| r.rest == Rest::Something)
@@ -225,6 +233,7 @@ impl Said<'_> {
             let follows = match (rest.rest, features.join(", ")) {
                 (Rest::Something, by) if by.is_empty() => ": something that the model lacks".to_owned(),
                 (Rest::Something, by) => format!(": something that the model lacks, by {by}"),
+                (Rest::Expected, _) => ": less than the model is expected to miss".to_owned(),
                 _ => String::new(),
             };
             let _ = writeln!(

@@ -17,6 +17,7 @@ fn variants() -> Vec<Model> {
     [
         (Coulomb, r#"{ model = "stribeck", stribeck_exponent = 0.7 }"#),
         (Coulomb, r#"{ model = "stribeck", load = "square" }"#),
+        (Coulomb, r#"{ model = "stribeck", law = "rational", stribeck_exponent = 1.6 }"#),
         (Hysteresis, r#"{ model = "sign", rest_velocity_rad_s = 0.2 }"#),
         (Hysteresis, r#"{ model = "bouc_wen", presliding_rad = 0.003, exponent = 1.7, beta = 0.8 }"#),
         (Hysteresis, r#"{ model = "lugre", coulomb_ratio = 0.3, stribeck_exponent = 1.0 }"#),
