@@ -257,7 +257,7 @@ impl<'a> JointRows<'a> {
             inertia: self.inertia,
             amplitude: amplitude([cc, cr]),
             amplitude_std: 1.0 / cc.sqrt(),
-            shape_std: self.shape_std(shape, blocks),
+            shape_std: self.shape_std(shape, &shapes, blocks),
             gain: total,
             gains,
             p: level.by_chance(&log_gains),
@@ -295,8 +295,10 @@ impl<'a> JointRows<'a> {
         (best, most)
     }
 
-    /// Standard deviations of a shape's logarithms, from the curvature of the log-likelihood along each.
-    fn shape_std(&self, shape: Shape, blocks: &[Block]) -> [f64; 4] {
+    /// Standard deviations of a shape's logarithms, from the curvature of the log-likelihood along each; of play also from what the
+    /// halves differ: the curvature knows the noise of rows alone, the halves what the simulated link has wrong from impact to impact. The mean
+    /// of two is off by half their difference.
+    fn shape_std(&self, shape: Shape, of_halves: &[Shape], blocks: &[Block]) -> [f64; 4] {
         let value = |shape: Shape| fitted_gain(sums(&self.moments(&self.all, shape), blocks));
         let at = value(shape);
         let mut std = [f64::NAN; 4];
@@ -305,6 +307,11 @@ impl<'a> JointRows<'a> {
             let [ahead, behind] = [step, -step].map(|by| value(shape.moved(which, by, self.top_hz)));
             let curvature = (2.0 * at - ahead - behind) / (step * step);
             *std = if curvature > 0.0 { curvature.sqrt().recip() } else { f64::NAN };
+        }
+        if let [a, b] = of_halves
+            && shape.half_gap_rad > 0.0
+        {
+            std[3] = std[3].hypot(0.5 * (a.half_gap_rad / b.half_gap_rad).ln());
         }
         std
     }

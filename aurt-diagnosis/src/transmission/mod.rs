@@ -342,7 +342,7 @@ impl Shaking {
         let gear = found.shape.gear(found.inertia);
         let [hz, ratio, _, gap] = found.shape_std;
         // The shape has the rotor's share, so the amplitude of a true gear is one. By as much as it differs the arm does not swing as
-        // one link on one gear does (other gears give way as well), and its stiffness is in doubt.
+        // one link on one gear does (other gears give way as well), and its stiffness and play are in doubt.
         let relative = std.hypot(1.0 - amplitude);
         let stiffness = gear.stiffness_nm_rad;
         let damping = gear.damping_nm_s;
@@ -355,7 +355,7 @@ impl Shaking {
             p: found.p,
             stiffness_nm_rad: [stiffness, stiffness * (2.0 * hz).hypot(relative)],
             damping_nm_s: [damping, damping * hz.hypot(ratio).hypot(relative)],
-            gap_rad: [gear.half_gap_rad, if play { gear.half_gap_rad * gap } else { 0.0 }],
+            gap_rad: [gear.half_gap_rad, if play { gear.half_gap_rad * gap.hypot(relative) } else { 0.0 }],
             frequency_hz: found.shape.hz,
             amplitude: [amplitude, std],
             confirmed: found.confirmed(),
