@@ -1,7 +1,7 @@
 //! `stribeck`: friction that is highest as motion sets in and falls with speed.
 //!
 //! # What it is
-//! τ = (F_C + (F_S − F_C) s(q̇)) sgn q̇ with s = e^(−|q̇/v_S|^δ) or 1/(1 + |q̇/v_S|^δ), whichever predicts better: at rest
+//! τ = (F_C + (F_S − F_C) s(q̇)) sgn q̇ with s = e^(−|q̇/v_S|^δ) or 1/(1 + |q̇/v_S|^δ), whichever leaves less: at rest
 //! surfaces touch, with speed a film of lubricant separates them, and friction falls from F_S to F_C over a few v_S before
 //! viscous friction takes over.
 //!
@@ -113,18 +113,19 @@ fn is_rational(proposal: &Proposal) -> bool {
 }
 
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
-    let proposal = |j: usize, velocity: f64, law: &str| {
+    let proposal = |j: usize, velocity: f64| {
         let level = json!({
-            "model": "stribeck", "stribeck_velocity_rad_s": velocity, "stribeck_exponent": USUAL_EXPONENT, "law": law,
+            "model": "stribeck", "stribeck_velocity_rad_s": velocity, "stribeck_exponent": USUAL_EXPONENT,
+            "law": "exponential",
         });
         // The first column is a plain Coulomb level, of which the model may have too much.
         Proposal::friction(j, level, json!({"model": "sign"}), &[])
             .bound(&[false, true])
             .shaped(VELOCITY)
             .shaped(EXPONENT)
+            .or_law("/coulomb/law", "rational".into())
     };
-    let laws = |j: usize, velocity: f64| ["exponential", "rational"].map(|law| proposal(j, velocity, law));
     (0..context.joints)
-        .flat_map(|j| STRIBECK_VELOCITIES_RAD_S.map(|velocity| laws(j, velocity)).concat())
+        .flat_map(|j| STRIBECK_VELOCITIES_RAD_S.map(|velocity| proposal(j, velocity)))
         .collect()
 }

@@ -4,7 +4,8 @@
 //! (Golub and Pereyra 1973), the likelihood with the joints' variances at their best, in the units of a score. The columns
 //! of one law change with θ; all other moments stay. The search begins at the best of the starts that the law has on these
 //! joints. Along each shape in turn: steps until the error rises, then the vertex of the parabola through the lowest three;
-//! steps shrink from one cycle to the next. The curvature of V at the minimum gives the deviations.
+//! steps shrink from one cycle to the next. The curvature of V at the minimum gives the deviations. Of two laws with the same shapes the
+//! one with the lower V is taken when deviations are, which is at the end: it changes no search.
 //!
 //! [`aurt_calibration`]'s search over shapes fits whole models from recordings; it knows no switches that act in some
 //! recordings only, no signs, and no shapes of arm terms that do not declare them (a coupling's ratio, an order of
@@ -20,8 +21,8 @@ use crate::recordings::partition::Part;
 use crate::recordings::rows::Role;
 use crate::recordings::term_rows::term_rows;
 use crate::search::ground::{Beside, Recorded};
-use crate::vocabulary::Addition;
 use crate::vocabulary::shape::Shape;
+use crate::vocabulary::{Addition, Proposal};
 
 /// Cycles through all shapes; steps shrink by [`SHRINK`] from one to the next, to a fiftieth of the first: less than
 /// the deviation of any shape that is worth a name.
@@ -80,12 +81,42 @@ impl<'a, 'b> Estimate<'a, 'b> {
         Some(estimate)
     }
 
-    /// Searches; whether the shapes have moved.
+    /// Searches; whether the shapes have moved, or the law has changed.
     pub(crate) fn run(mut self) -> bool {
         let start = self.values();
-        let mut values = start.clone();
-        let Some(mut least) = self.objective(&values) else { return false };
-        let mut usual = (start.clone(), f64::INFINITY);
+        let Some((mut values, mut least)) = self.lowest(&start) else { return false };
+        let mut swapped = false;
+        if self.beside.deviations && self.proposal().other_law.is_some() {
+            self.proposal().swap_laws();
+            let other = self.lowest(&values).filter(|(_, v)| *v < least);
+            swapped = other.is_some();
+            match other {
+                Some(other) => (values, least) = other,
+                None => self.proposal().swap_laws(),
+            }
+        }
+        let deviations =
+            if self.beside.deviations { self.deviations(&values, least) } else { vec![None; values.len()] };
+        let found = self.put(&values, true).is_some();
+        let (settled, moved) =
+            if found { (values.clone(), swapped || values != start) } else { (start.clone(), false) };
+        if !found {
+            // What was there before can be evaluated.
+            let _ = self.put(&start, true);
+        }
+        let candidate = &mut self.ground.candidates[self.group.candidate];
+        candidate.proposal.reshaped(&settled, &deviations);
+        for (joint, own, _) in &self.places {
+            self.ground.problem.renew(self.ground.rows, self.ground.partition, *joint, own);
+        }
+        moved
+    }
+
+    /// The lowest point that a search from some values and the law's starts finds, and V there; none if V has no value at the first.
+    fn lowest(&mut self, start: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let mut values = start.to_vec();
+        let mut least = self.objective(&values)?;
+        let mut usual = (values.clone(), f64::INFINITY);
         for other in self.starts() {
             let Some(v) = self.objective(&other) else { continue };
             if v < least {
@@ -109,22 +140,13 @@ impl<'a, 'b> Estimate<'a, 'b> {
         // A usual value gives way to evidence on which an effect would be claimed.
         let least_score = self.ground.question.selection.score;
         if self.shapes.iter().all(|s| s.usual) && usual.1 - least < least_score {
-            (values, least) = usual;
+            return Some(usual);
         }
-        let deviations =
-            if self.beside.deviations { self.deviations(&values, least) } else { vec![None; values.len()] };
-        let found = self.put(&values, true).is_some();
-        let (settled, moved) = if found { (values.clone(), values != start) } else { (start.clone(), false) };
-        if !found {
-            // What was there before can be evaluated.
-            let _ = self.put(&start, true);
-        }
-        let candidate = &mut self.ground.candidates[self.group.candidate];
-        candidate.proposal.reshaped(&settled, &deviations);
-        for (joint, own, _) in &self.places {
-            self.ground.problem.renew(self.ground.rows, self.ground.partition, *joint, own);
-        }
-        moved
+        Some((values, least))
+    }
+
+    fn proposal(&mut self) -> &mut Proposal {
+        &mut self.ground.candidates[self.group.candidate].proposal
     }
 
     fn values(&self) -> Vec<f64> {

@@ -59,6 +59,9 @@ pub struct Proposal {
     pub starts: Vec<f64>,
     /// Standard deviations of those that were estimated.
     pub deviations: BTreeMap<String, f64>,
+    /// Another law with the same shapes, as a place in the term and the value there: once the proposal is confirmed, that which leaves
+    /// less is taken.
+    pub other_law: Option<(&'static str, Value)>,
 }
 
 /// The two kinds of additions.
@@ -82,6 +85,7 @@ impl Proposal {
             shapes: Vec::new(),
             starts: Vec::new(),
             deviations: BTreeMap::new(),
+            other_law: None,
         }
     }
 
@@ -129,6 +133,21 @@ impl Proposal {
             self.shapes.push(shape);
         }
         self
+    }
+
+    /// The same with another law that may take its place.
+    pub(crate) fn or_law(mut self, pointer: &'static str, law: Value) -> Self {
+        self.other_law = Some((pointer, law));
+        self
+    }
+
+    /// Puts the other law in the place of the own one.
+    pub(crate) fn swap_laws(&mut self) {
+        if let (Addition::Term(term), Some((pointer, law))) = (&mut self.addition, &mut self.other_law)
+            && let Some(own) = term.pointer_mut(pointer)
+        {
+            std::mem::swap(own, law);
+        }
     }
 
     /// The same with a parameter that it fixes.
