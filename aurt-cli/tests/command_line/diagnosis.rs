@@ -56,6 +56,23 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
     }
 }
 
+/// The simulator's Stribeck friction falls by 1/(1 + |q̇/v|^δ): a fit of exponentials alone finds half its fall a fifth too slow, and half
+/// the exponent.
+#[test]
+fn the_law_of_stribeck_friction_is_that_of_the_robot() {
+    let plan = "[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
+    let folder = Folder::new().with_concealed(plan, 2024);
+    let hidden = &truth(&folder, "case_0001")["effects"][0];
+    let found = verdict(&folder, "case_0001", &[]);
+    assert_eq!(found["verdict"], "named", "{hidden} {found}");
+    let effect = &found["effects"][0];
+    assert_eq!([&effect["effect"], &effect["joints"]], [&hidden["effect"], &hidden["joints"]]);
+    let speed = effect["parameters"]["half_speed_rad_s"]["value"].as_f64().unwrap();
+    let simulated = hidden["fields"]["stribeck_velocity_rad_s"].as_f64().unwrap();
+    assert!((speed / simulated - 1.0).abs() < 0.1, "{speed}, is {simulated}");
+    assert!(folder.read("case_0001/improved.toml").contains("law = \"rational\""));
+}
+
 /// Dry friction on a joint that turns often, beside a load: both are missing while the noise is estimated, and neither is
 /// noise.
 #[test]
