@@ -54,6 +54,9 @@ drive_numbers! {
 /// 15 rad/s that is planned once a step is found at 11.
 const FIRMWARE_S: f64 = 5e-4;
 
+/// Jumps within this part of a run of its ends are taken as the mean over the run.
+const ENDS: f64 = 0.02;
+
 // State: r, ṙ and ∫ d.
 drive!(
     PositionServo,
@@ -71,24 +74,7 @@ fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
         return DriveTorque { torque: Jet::ZERO, damping: Jet::ZERO };
     };
     let h = input.step_s;
-    let limits = [*speed, *acceleration];
-    let is_limited = limits.iter().any(|l| l.value < UNLIMITED);
-    let runs = if is_limited { (h / FIRMWARE_S).ceil() } else { 1.0 };
-    let of_run = h / runs;
-    let mut sum = Jet::ZERO;
-    for run in 0..runs as usize {
-        let at = -*delay + (input.time_s + (run as f64 + 0.5) * of_run - 0.5 * h);
-        let wanted = (input.command)(at, of_run);
-        let whole = Jet::constant(of_run);
-        let edge = if is_limited { edge(input, at, wanted, of_run) } else { None };
-        // A limited reference sets out when the command jumps, not when the run begins: without this it would not tell a delay.
-        sum += match edge {
-            Some(([before, after], behind)) => {
-                plan(state, before, limits, whole - behind) + plan(state, after, limits, behind)
-            }
-            None => plan(state, wanted, limits, whole),
-        };
-    }
+    let sum = reference(input, *delay, [*speed, *acceleration], state);
     let error = (sum * (1.0 / h) + *offset - input.position_rad).beyond(*dead_band);
     state[2] += error * h;
     let firmware = *gain * error + *integral * state[2] - *firmware_damping * input.velocity_rad_s;
@@ -100,17 +86,43 @@ fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
     }
 }
 
-/// The commands on either side of a jump within a run, and the time from it to the run's end; `wanted` is the mean over the run.
-fn edge(input: &DriveInput<'_>, at: Jet, wanted: Jet, of_run: f64) -> Option<([Jet; 2], Jet)> {
-    let [before, after] = [-of_run, of_run].map(|away| (input.command)(at + away, of_run));
+/// The integral of the reference over a step, in which the firmware runs several times if its limits are finite.
+fn reference(input: &DriveInput<'_>, delay: Jet, limits: [Jet; 2], state: &mut [Jet]) -> Jet {
+    let h = input.step_s;
+    if limits.iter().all(|l| l.value >= UNLIMITED) {
+        return plan(state, (input.command)(-delay + input.time_s, h), limits, Jet::constant(h));
+    }
+    let runs = (h / FIRMWARE_S).ceil();
+    let of_run = h / runs;
+    let command =
+        |run: f64| (input.command)(-delay + (input.time_s + (run + 0.5) * of_run - 0.5 * h), of_run);
+    let (mut before, mut wanted) = (command(-1.0), command(0.0));
+    let mut sum = Jet::ZERO;
+    for run in 0..runs as usize {
+        let after = command(run as f64 + 1.0);
+        // A limited reference sets out when the command jumps, not when the run begins: without this it would not tell a delay.
+        sum += match jump([before, wanted, after]) {
+            Some(share) => {
+                let behind = share * of_run;
+                plan(state, before, limits, -behind + of_run) + plan(state, after, limits, behind)
+            }
+            None => plan(state, wanted, limits, Jet::constant(of_run)),
+        };
+        (before, wanted) = (wanted, after);
+    }
+    sum
+}
+
+/// The part of a run that is behind a jump of the command, of which the means over the run and its neighbours are given.
+fn jump([before, wanted, after]: [Jet; 3]) -> Option<Jet> {
     let jump = after - before;
     if jump.value.abs() < 1e-9 {
         return None;
     }
     let share = (wanted - before) / jump;
-    // A ramp has its mean in its middle.
-    let is_jump = share.value > 0.0 && share.value < 1.0 && (share.value - 0.5).abs() > 1e-6;
-    is_jump.then(|| ([before, after], share * of_run))
+    // A ramp has its mean in its middle. What is left of a run behind a jump near its ends is too short for a braking speed that has a slope.
+    let is_jump = share.value > ENDS && share.value < 1.0 - ENDS && (share.value - 0.5).abs() > 1e-6;
+    is_jump.then_some(share)
 }
 
 /// Moves the reference on towards a command for a time h; returns its integral over h.
