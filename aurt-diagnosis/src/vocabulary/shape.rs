@@ -83,6 +83,11 @@ impl Shape {
         }
     }
 
+    /// Whether a value is within the bounds, and at none of them.
+    pub(crate) fn contains(&self, value: f64) -> bool {
+        self.bounds[0] < value.abs() && value.abs() < self.bounds[1]
+    }
+
     /// The deviation of the value, from that in units of `step`.
     pub(crate) fn deviation(&self, value: f64, of_coordinate: f64) -> f64 {
         match self.scale {
