@@ -91,7 +91,13 @@ impl Unit {
     pub(crate) const fn follows_gains(self) -> bool {
         matches!(
             self,
-            Self::Torque | Self::Damping | Self::Stiffness | Self::Inertia | Self::Mass | Self::FirstMoment
+            Self::Torque
+                | Self::PerTorque
+                | Self::Damping
+                | Self::Stiffness
+                | Self::Inertia
+                | Self::Mass
+                | Self::FirstMoment
         )
     }
 }
