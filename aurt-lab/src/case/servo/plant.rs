@@ -11,7 +11,7 @@ use super::{
 const STEP_S: f64 = 2.5e-4;
 /// Steps between two runs of the firmware, 1 ms.
 const FIRMWARE: usize = 4;
-/// How long a command waits for the firmware on average, half of that time, from the step on in which it is logged.
+/// Mean wait of a command for the firmware, half of that time, from the step on in which it is logged.
 pub(super) const WAITS_S: f64 = 0.5 * (FIRMWARE - 1) as f64 * STEP_S;
 const TICK_RAD: f64 = std::f64::consts::TAU / 4096.0;
 /// How much the host's clock jitters, and how wrong its stamps are, in s.
