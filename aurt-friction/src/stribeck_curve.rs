@@ -31,7 +31,7 @@ pub(crate) struct Decay {
 }
 
 impl Decay {
-    /// That of the exponential law.
+    /// A decay by the exponential law.
     pub(crate) const fn exponential(velocity_rad_s: f64, exponent: f64) -> Self {
         Self { law: StribeckLaw::Exponential, velocity_rad_s, exponent }
     }

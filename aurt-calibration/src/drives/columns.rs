@@ -16,8 +16,8 @@ pub struct Selection {
     pub deviations: Vec<(String, f64)>,
 }
 
-/// What masses, first moments and inertias of a description are good for, as a share, unless it is stated: drawings know
-/// neither cables nor screws, and a centre of mass that is a millimetre off is 2 % of a link of 10 cm.
+/// Standard deviation of the masses, first moments and inertias of a description, as a share, unless one is stated: drawings
+/// know neither cables nor screws, and a millimetre is 2 % of the distance of the centre of mass of a link of 10 cm.
 const MASS_SCALE: f64 = 0.02;
 
 /// A number that is estimated, of one joint or of several that share it.
@@ -77,25 +77,24 @@ pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Colu
     Ok(columns)
 }
 
-/// The numbers that are given, and not estimated, but no better known than some deviation: those of
-/// [`Selection::deviations`], the masses of a description, and v_S where the excess of break-away is estimated.
+/// The numbers that are given with a deviation, and not estimated: those of [`Selection::deviations`], the masses of a
+/// description, and v_S where the excess of break-away is estimated. A limit that is none has no deviation.
 pub(crate) fn given(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Column>, DriveError> {
-    let names = arm.names();
-    let is_estimated = |name: &str| selection.estimate.iter().any(|key| key == name || key == stem(name));
-    let known = |key: &str| names.iter().any(|n| n == key || stem(n) == key);
-    let mut deviations: Vec<(String, f64)> =
-        selection.deviations.iter().filter(|(key, _)| known(key)).cloned().collect();
-    if arm.standard_parameters.iter().any(|p| *p != 0.0)
-        && deviations.iter().all(|d| stem(&d.0) != "mass_scale")
-    {
+    let is_of = |key: &str, name: &str| key == name || key == stem(name);
+    let is_estimated = |name: &str| selection.estimate.iter().any(|key| is_of(key, name));
+    let mut deviations = selection.deviations.clone();
+    if arm.standard_parameters.iter().any(|p| *p != 0.0) {
+        // The first that fits a name counts, which is one that is stated.
         deviations.push(("mass_scale".to_owned(), MASS_SCALE));
     }
-    let mut keys: Vec<String> = deviations.iter().map(|d| d.0.clone()).collect();
-    if is_estimated("static_nm") {
-        keys.push("stribeck_velocity_rad_s".to_owned());
-    }
-    let of_key =
-        |key: &String| names.iter().filter(|n| *n == key || stem(n) == key).cloned().collect::<Vec<_>>();
-    let estimate = keys.iter().flat_map(of_key).filter(|name| !is_estimated(name)).collect();
+    let is_uncertain = |name: &str| {
+        let joint = name.strip_prefix("stribeck_velocity_rad_s");
+        let of_excess = || joint.is_some_and(|joint| is_estimated(&format!("static_nm{joint}")));
+        deviations.iter().any(|(key, _)| is_of(key, name)) || of_excess()
+    };
+    let numbers = arm.names().into_iter().zip(arm.numbers());
+    let given = numbers
+        .filter(|(name, number)| number.value.abs() < UNLIMITED && is_uncertain(name) && !is_estimated(name));
+    let estimate = given.map(|(name, _)| name).collect();
     columns(arm, &Selection { estimate, shared: Vec::new(), deviations })
 }

@@ -86,9 +86,10 @@ pub struct Remainder {
 }
 
 impl Remainder {
-    /// Something of which less than `expected` is left, with `rms` of all that is, is what was to be expected.
+    /// The same in the light of what the model is expected to miss: of an error of `rms`, a predictable part below `expected` is
+    /// [`Rest::Expected`].
     #[must_use]
-    pub fn beside(mut self, expected: f64, rms: f64) -> Self {
+    pub fn against(mut self, expected: f64, rms: f64) -> Self {
         let part = self.predictable.map_or(0.0, |share| share.value.max(0.0).sqrt() * rms);
         if self.rest == Rest::Something && part < expected {
             self.rest = Rest::Expected;
@@ -282,7 +283,23 @@ impl Judged {
 
 #[cfg(test)]
 mod tests {
-    use super::explained;
+    use super::{Remainder, Rest, Share, explained};
+
+    #[test]
+    fn what_is_smaller_than_expected_is_no_lack() {
+        let rest = |rest| Remainder {
+            joint: 0,
+            rest,
+            explained: None,
+            predictable: Some(Share { value: 0.25, std: 0.01 }),
+            follows: Vec::new(),
+        };
+        // A quarter of the square is half of the error.
+        let left = |of, expected| rest(of).against(expected, 3e-3).rest;
+        assert_eq!(left(Rest::Something, 1.6e-3), Rest::Expected);
+        assert_eq!(left(Rest::Something, 1.4e-3), Rest::Something);
+        assert_eq!(left(Rest::Noise, 1.6e-3), Rest::Noise);
+    }
 
     #[test]
     fn shares_are_of_what_can_be_predicted() {

@@ -104,7 +104,10 @@ impl<'a, 'b> Estimate<'a, 'b> {
         let (settled, moved) =
             if found { (values.clone(), swapped || values != start) } else { (start.clone(), false) };
         if !found {
-            // What was there before can be evaluated.
+            // The start can be evaluated, with the law that it has.
+            if swapped {
+                self.proposal().swap_laws();
+            }
             let _ = self.put(&start, true);
         }
         let candidate = &mut self.ground.candidates[self.group.candidate];

@@ -135,13 +135,13 @@ impl Proposal {
         self
     }
 
-    /// The same with another law that may take its place.
+    /// The same with another law.
     pub(crate) fn or_law(mut self, pointer: &'static str, law: Value) -> Self {
         self.other_law = Some((pointer, law));
         self
     }
 
-    /// Puts the other law in the place of the own one.
+    /// Swaps the two laws.
     pub(crate) fn swap_laws(&mut self) {
         if let (Addition::Term(term), Some((pointer, law))) = (&mut self.addition, &mut self.other_law)
             && let Some(own) = term.pointer_mut(pointer)

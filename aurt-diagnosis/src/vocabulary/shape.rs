@@ -83,7 +83,7 @@ impl Shape {
         }
     }
 
-    /// Whether a value is within the bounds, and at none of them.
+    /// Strict inclusion of a value between the bounds.
     pub(crate) fn contains(&self, value: f64) -> bool {
         self.bounds[0] < value.abs() && value.abs() < self.bounds[1]
     }

@@ -20,7 +20,7 @@ use aurt_friction::{
         absolute::Absolute,
         constant::Constant,
         square::Square,
-        stribeck::{LoadDependence, Stribeck},
+        stribeck::{LoadDependence, Stribeck, StribeckLaw},
     },
     hysteresis::{
         bouc_wen::BoucWen, dahl::Dahl, gms::Gms, lugre::LuGre, maxwell_slip::MaxwellSlip, sign::Sign,
@@ -107,8 +107,8 @@ fn stack(joint: usize) -> JointStack {
             stribeck_velocity_rad_s: 0.3,
             stribeck_exponent,
             load,
+            law: if joint == 4 { StribeckLaw::Rational } else { StribeckLaw::Exponential },
             level: joint != 3,
-            ..Stribeck::default()
         })
     };
     let tanh = || Box::new(Tanh { velocity_rad_s: 0.02 });

@@ -76,7 +76,7 @@ pub fn diagnose_drives(
         .into_iter()
         .map(|rest| {
             let rms = missed[rest.joint];
-            rest.beside(options.deviation_rad, rms)
+            rest.against(options.deviation_rad, rms)
         })
         .collect();
     let joint_names = experiment.robot.robot_joints().names;
@@ -131,7 +131,7 @@ struct Said<'a> {
 }
 
 impl Said<'_> {
-    /// Whether more is left than the model is expected to miss, or a black box predicts as much.
+    /// True where more is left than the model is expected to miss, or a black box predicts as much.
     fn something_is_left(&self) -> bool {
         self.found.missed_improved.rms_all_rad() > EXPECTED * self.options.deviation_rad
             || self.rests.iter().any(|r| r.rest == Rest::Something)

@@ -380,7 +380,7 @@ fn currents_of_a_bench_leave_the_torque_constant_open() {
     let open = free["undetermined"][0].as_str().unwrap();
     let [constant, deviation] = of(&free, CONSTANT);
     assert!(open.contains(CONSTANT) && deviation > 0.5 * constant, "{open}: {constant} ± {deviation}");
-    // What is stated of it beforehand would be that of the constant that is given.
+    // A deviation that is stated counts for a constant that is given, too.
     let given = text.replacen(&format!("\"{CONSTANT}\", "), "", 1);
     let given = given.replacen(&format!("[drive.deviations]\n{CONSTANT} = 0.1\n"), "[drive.deviations]\n", 1);
     let given =
