@@ -88,7 +88,10 @@ pub static EFFECT: Effect = Effect {
         if let [level, excess, ..] = fitted {
             let coulomb_nm = own.coulomb_nm + level.1;
             parameters.insert("coulomb_nm".to_owned(), ParameterValue::exact(coulomb_nm));
-            parameters.insert("static_nm".to_owned(), ParameterValue::new(coulomb_nm + excess.1, excess.2));
+            // Motion shows no level at rest: it is as certain as the law that leads there, and with that at a bound not at all.
+            let is_known = [VELOCITY, EXPONENT].iter().all(|s| proposal.deviations.contains_key(s.name));
+            let std = is_known.then_some(excess.2);
+            parameters.insert("static_nm".to_owned(), ParameterValue::new(coulomb_nm + excess.1, std));
         }
         parameters
     }),

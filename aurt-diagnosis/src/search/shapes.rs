@@ -88,10 +88,7 @@ impl<'a, 'b> Estimate<'a, 'b> {
         let mut swapped = false;
         if self.beside.deviations && self.proposal().other_law.is_some() {
             self.proposal().swap_laws();
-            // One that ends at a bound says what no recording shows: a level at rest of any height.
-            let other = self.lowest(&values);
-            let inside = |values: &[f64]| self.shapes.iter().zip(values).all(|(s, v)| s.contains(*v));
-            let other = other.filter(|(values, v)| *v < least && inside(values));
+            let other = self.lowest(&values).filter(|(_, v)| *v < least);
             swapped = other.is_some();
             match other {
                 Some(other) => (values, least) = other,
@@ -246,7 +243,8 @@ impl<'a, 'b> Estimate<'a, 'b> {
             .enumerate()
             .map(|(k, variance)| {
                 let shape = &self.shapes[k];
-                let deviation = variance.filter(|_| shape.contains(values[k]))?.sqrt();
+                let inside = shape.bounds[0] < values[k].abs() && values[k].abs() < shape.bounds[1];
+                let deviation = variance.filter(|_| inside)?.sqrt();
                 Some(shape.deviation(values[k], deviation))
             })
             .collect()

@@ -83,11 +83,6 @@ impl Shape {
         }
     }
 
-    /// Strict inclusion of a value between the bounds.
-    pub(crate) fn contains(&self, value: f64) -> bool {
-        self.bounds[0] < value.abs() && value.abs() < self.bounds[1]
-    }
-
     /// The deviation of the value, from that in units of `step`.
     pub(crate) fn deviation(&self, value: f64, of_coordinate: f64) -> f64 {
         match self.scale {
