@@ -9,10 +9,7 @@ use thiserror::Error;
 pub enum DiagnosisError {
     /// A recording has nothing to compare with.
     #[error("{recording}: no current or torque columns; a diagnosis compares a model with a measurement")]
-    NoMeasurement {
-        /// The recording.
-        recording: String,
-    },
+    NoMeasurement { recording: String },
     /// No recording takes part.
     #[error(
         "there is nothing to diagnose: list recordings under `[recordings] calibration`, and under `target` \
@@ -33,9 +30,7 @@ pub enum DiagnosisError {
          blocks of time; record longer or raise `f_dyn_hz`"
     )]
     TooShort {
-        /// The recording.
         recording: String,
-        /// Its rows.
         rows: usize,
         /// Blocks needed.
         blocks: usize,
@@ -59,7 +54,6 @@ pub enum DiagnosisError {
          which columns `measurement` names"
     )]
     ConstantMeasurement {
-        /// The recording.
         recording: String,
         /// The value of joint 0.
         first: f64,
@@ -67,7 +61,6 @@ pub enum DiagnosisError {
     /// Every joint's measurement contains a motion that no model of the chain has, or the base stands elsewhere than in the first.
     #[error("{recording}: {branch}")]
     Branch {
-        /// The recording.
         recording: String,
         /// The first joint beside the chain that moves.
         branch: BranchMotion,
@@ -83,7 +76,6 @@ pub enum DiagnosisError {
     /// A candidate term does not fit the robot.
     #[error("candidate of effect `{effect}`: {reason}")]
     Candidate {
-        /// The effect.
         effect: &'static str,
         /// What was said of it.
         reason: String,

@@ -73,7 +73,6 @@ pub struct ScenarioFile {
 pub struct LinkChange {
     /// Which.
     pub index: usize,
-    /// Mass, kg.
     pub mass_kg: Option<f64>,
     /// Centre of mass in the link's frame, m.
     pub com_m: Option<[f64; 3]>,

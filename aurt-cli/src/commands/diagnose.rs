@@ -67,9 +67,6 @@ pub struct Diagnose {
     /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
-    /// Write comparison.json: the answers of simpler methods (best single candidate, LASSO, STLSQ)
-    #[arg(long)]
-    compare: bool,
     /// Write the verdict alone: no report, no improved experiment, no improved model
     #[arg(long, conflicts_with = "plots")]
     verdict_only: bool,
@@ -97,7 +94,6 @@ impl Diagnose {
             without: Vec::new(),
             only: Vec::new(),
             learnt: None,
-            compare: false,
             verdict_only: false,
             series: None,
             most_rows: MOST_ROWS,
@@ -125,7 +121,6 @@ impl Diagnose {
             frozen: given.map(|given| given.calibrated),
             without: self.excluded(registry)?,
             learnt,
-            compare: self.compare,
             improve_for,
             series: self.series.is_some(),
             most_rows: Some(self.most_rows),
@@ -135,9 +130,6 @@ impl Diagnose {
         drop(progress);
 
         let mut files = vec![("verdict.json".to_owned(), pretty(&diagnosis.document).into_bytes())];
-        if let Some(comparison) = &diagnosis.comparison {
-            files.push(("comparison.json".to_owned(), pretty(comparison).into_bytes()));
-        }
         if let Some(improved) = &diagnosis.improved {
             files.extend([
                 (reports::FILE.to_owned(), improved.report.to_html().into_bytes()),
@@ -190,7 +182,6 @@ impl Diagnose {
             ("--base", self.base.is_some()),
             ("--tip", self.tip.is_some()),
             ("--learnt", self.learnt.is_some()),
-            ("--compare", self.compare),
             ("--series", self.series.is_some()),
             ("--plots", self.plots.folder()?.is_some()),
         ];

@@ -77,7 +77,6 @@ impl ContactOptions {
 /// What the search needs of one recording.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactRows<'a> {
-    /// Its rows.
     pub rows: &'a RecordingRows,
     /// Stamp of the recording's first sample, s: windows count from it.
     pub origin_s: f64,

@@ -11,7 +11,6 @@ use crate::recordings::rows::RecordingRows;
 /// What the search needs of one recording; the rows count where the joint stands.
 #[derive(Debug, Clone, Copy)]
 pub struct StandingRows<'a> {
-    /// Its rows.
     pub rows: &'a RecordingRows,
     /// Stamp of the recording's first sample, s: windows count from it.
     pub origin_s: f64,

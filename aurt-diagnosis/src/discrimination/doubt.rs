@@ -10,9 +10,7 @@ use crate::vocabulary::{Effect, Presence};
 /// An effect on some joints.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// The effect.
     pub effect: &'static Effect,
-    /// Its joints.
     pub joints: Vec<usize>,
     /// Index of the candidate.
     pub(super) candidate: usize,

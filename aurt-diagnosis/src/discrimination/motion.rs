@@ -29,7 +29,6 @@ impl MotionMoments {
     }
 }
 
-/// Adds moments to others.
 pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
     for (sum, moments) in sums.iter_mut().flatten().zip(others.iter().flatten()) {
         sum.add(moments, 1.0);

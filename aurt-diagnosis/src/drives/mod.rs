@@ -72,7 +72,6 @@ pub enum Objection {
 /// A structure that was examined.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// The structure.
     pub structure: Structure,
     /// What is said of it.
     pub answer: Answer,

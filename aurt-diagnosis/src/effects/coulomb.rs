@@ -32,7 +32,6 @@ use serde_json::json;
 
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "coulomb",
     family: Family::F,

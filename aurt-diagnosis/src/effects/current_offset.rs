@@ -23,7 +23,6 @@ use serde_json::json;
 
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "current_offset",
     family: Family::D,

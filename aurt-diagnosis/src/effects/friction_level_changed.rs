@@ -31,7 +31,6 @@ use serde_json::json;
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::{Effect, Family, OwnFriction, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "friction_level_changed",
     family: Family::F,

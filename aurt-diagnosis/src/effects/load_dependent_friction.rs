@@ -36,7 +36,6 @@ use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 /// Coulomb models with the power of the load that they contain.
 const MODELS: [(&str, f64); 2] = [("absolute", 1.0), ("square", 2.0)];
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "load_dependent_friction",
     family: Family::L,

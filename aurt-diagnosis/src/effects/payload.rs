@@ -39,7 +39,6 @@ use serde_json::{Value, json};
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit, Wording};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "payload",
     family: Family::I,

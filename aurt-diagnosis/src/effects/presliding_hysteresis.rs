@@ -50,7 +50,6 @@ const SMALLEST: Shape = Shape::logarithmic("smallest_rad", "/hysteresis/smallest
 /// … and the largest: presliding over a quarter of a radian is a spring.
 const LARGEST: Shape = Shape::logarithmic("largest_rad", "/hysteresis/largest_rad", [0.012, 0.25], 0.5);
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "presliding_hysteresis",
     family: Family::H,

@@ -28,7 +28,6 @@ use serde_json::json;
 
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "rotor_inertia",
     family: Family::I,

@@ -40,7 +40,6 @@ const USUAL_WARMING_TIME_S: f64 = 60.0;
 /// The parameter in which a proposal notes the joint's root mean square speed.
 const TYPICAL_VELOCITY: &str = "typical_velocity_rad_s";
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "temperature_dependent_friction",
     family: Family::V,

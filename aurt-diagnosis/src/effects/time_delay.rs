@@ -28,7 +28,6 @@
 use crate::recordings::rows::Instrument;
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "time_delay",
     family: Family::D,

@@ -30,7 +30,6 @@ use crate::parameters::{ParameterValue, Parameters};
 use crate::recordings::rows::Instrument;
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "torque_constant",
     family: Family::D,

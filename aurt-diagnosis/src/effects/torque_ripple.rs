@@ -37,7 +37,6 @@ use crate::vocabulary::{Effect, Family, Kind, OwnFriction, Parameter, Proposal, 
 /// The order is sought around a peak of the periodogram, which resolves the travelled range.
 const ORDER: Shape = Shape::linear("order", "/cycles_per_revolution", [1.0, 240.0], 0.15);
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "torque_ripple",
     family: Family::P,

@@ -27,7 +27,6 @@ use serde_json::json;
 
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "viscous",
     family: Family::V,

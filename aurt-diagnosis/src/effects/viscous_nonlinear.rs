@@ -55,7 +55,6 @@ const SATURATION_VELOCITIES_RAD_S: [f64; 3] = [0.25, 0.7, 2.0];
 const SATURATION: Shape =
     Shape::logarithmic("saturation_velocity_rad_s", "/viscous/saturation_velocity_rad_s", [0.1, 8.0], 0.5);
 
-/// The effect.
 pub static EFFECT: Effect = Effect {
     id: "viscous_nonlinear",
     family: Family::V,

@@ -17,7 +17,6 @@ use crate::request::Question;
 pub struct Baseline {
     /// Load torque of its load-dependent friction.
     pub load: LoadTorque,
-    /// Its coefficients.
     pub coefficients: Vec<f64>,
     /// Whether these are given, and not fitted together with the effects.
     pub frozen: bool,

@@ -48,21 +48,6 @@ impl Judge<'_> {
         Chance::new(self.by_chance(switches).iter().map(best).collect())
     }
 
-    /// The largest value, over all hypotheses, that a measure of improvement has by chance; of one shift each, ascending.
-    pub(crate) fn best_by_chance(
-        &self,
-        switches: &[Switch],
-        measure: impl Fn(&[f64], &[f64]) -> f64,
-    ) -> Vec<f64> {
-        let best = |c: &ByChance| {
-            let scores = c.after.iter().map(|after| measure(&c.before, after));
-            scores.filter(|s| s.is_finite()).fold(0.0, f64::max)
-        };
-        let mut scores: Vec<f64> = self.by_chance(switches).iter().map(best).collect();
-        scores.sort_by(f64::total_cmp);
-        scores
-    }
-
     fn by_chance(&self, switches: &[Switch]) -> Vec<ByChance> {
         let (fit, weights) = weighted_fit(self.problem, switches, self.floor);
         let left: Vec<Vec<Vec<f64>>> =
@@ -170,12 +155,6 @@ fn by_sign(differences: &[f64]) -> f64 {
     as_large as f64 / f64::from(ways)
 }
 
-/// The value that a share of ascending ones does not exceed.
-pub(crate) fn quantile(ascending: &[f64], share: f64) -> f64 {
-    let place = (share * ascending.len() as f64).ceil() as usize;
-    place.checked_sub(1).and_then(|k| ascending.get(k)).copied().unwrap_or(0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -201,11 +180,5 @@ mod tests {
         let still = [Contrast { difference: 1.0, energy: 0.0 }; 50];
         let even = pieces(&still, 1);
         assert!(even.len() == PIECES && even.iter().all(|l| (4.0..=6.0).contains(l)), "{even:?}");
-    }
-
-    #[test]
-    fn a_quantile_is_one_of_the_values() {
-        let chance = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!([quantile(&chance, 0.95), quantile(&chance, 0.5), quantile(&[], 0.5)], [4.0, 2.0, 0.0]);
     }
 }

@@ -20,7 +20,6 @@ const FEWEST_ROWS_PER_BLOCK: usize = 8;
 /// A model in question, its rows, and the noise that it leaves.
 pub(crate) struct Judged {
     pub(crate) baseline: Baseline,
-    /// Its rows of each recording.
     pub(crate) own_rows: Vec<RecordingRows>,
     /// Mean square of what noise leaves, `[recording][joint]`.
     pub(crate) floors: Vec<Vec<f64>>,

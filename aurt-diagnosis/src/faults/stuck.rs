@@ -14,7 +14,6 @@ const SHARE_OF_RANGE: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stuck {
     pub(super) joint: usize,
-    /// The value.
     pub(super) value: f64,
     /// The rows, without the end.
     pub(super) rows: [usize; 2],

@@ -22,7 +22,6 @@ pub struct Candidate {
     pub registered: Option<RegisteredModel>,
     /// What it proposes.
     pub proposal: Proposal,
-    /// Its columns.
     pub columns: Vec<usize>,
     /// Names of its coefficients, without the joint.
     pub names: Vec<String>,

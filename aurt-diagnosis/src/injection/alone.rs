@@ -13,7 +13,6 @@ use crate::vocabulary::Effect;
 /// A fault that recordings show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenFault {
-    /// The effect.
     pub effect: &'static Effect,
     /// The joints concerned.
     pub joints: Vec<usize>,

@@ -6,7 +6,6 @@ use aurt_calibration::two_sided;
 /// each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Agreement {
-    /// The mean, s.
     pub(super) mean_s: f64,
     /// Its standard deviation, s.
     pub(super) std_s: f64,

@@ -15,7 +15,6 @@ pub use crate::investigation::delay_scan::Delay;
 /// A delay that was undone, and the investigation that found it.
 #[derive(Debug)]
 pub struct Late {
-    /// The delay.
     pub delay: Delay,
     /// What was found before it was undone.
     pub before: Box<Investigation>,

@@ -61,7 +61,6 @@ use structure::structure_alone;
 pub struct Investigation {
     /// The model with the terms of every candidate.
     pub model: RobotModel,
-    /// The baseline.
     pub baseline: Baseline,
     /// The rows of all recordings that fit, search and mask.
     pub rows: FitRows,
@@ -73,7 +72,6 @@ pub struct Investigation {
     pub layout: Layout,
     /// Second moments.
     pub problem: Problem,
-    /// Candidates.
     pub candidates: Vec<Candidate>,
     /// Hypotheses.
     pub groups: Vec<Group>,

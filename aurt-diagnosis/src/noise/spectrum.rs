@@ -132,12 +132,6 @@ fn stamps_in_use(recording: &Recording, data: &Preprocessed) -> Vec<f64> {
 }
 
 impl SegmentNoise {
-    /// Number of joints.
-    #[must_use]
-    pub const fn joints(&self) -> usize {
-        self.measurement.len()
-    }
-
     /// One-sided power spectrum of a joint's noise at full rate, Nm²/Hz (A²/Hz for a model of currents).
     #[must_use]
     pub fn psd(&self, joint: usize, frequency_hz: f64) -> f64 {
@@ -181,13 +175,6 @@ impl SegmentNoise {
             * self.position_grid.power_gain(frequency_hz, Interpolator::Spline)
     }
 
-    /// Standard deviation of a joint's noise at full rate between two frequencies, Nm.
-    #[must_use]
-    pub fn level_in_band(&self, joint: usize, low_hz: f64, high_hz: f64) -> f64 {
-        let high_hz = high_hz.min(0.5 * self.rate_hz);
-        integral(low_hz, high_hz, |f| self.psd(joint, f)).sqrt()
-    }
-
     /// Mean square of a joint's noise behind a filter.
     #[must_use]
     pub fn power_behind(&self, joint: usize, filter: &ZeroPhase) -> f64 {
@@ -225,36 +212,6 @@ impl SegmentNoise {
         }
         Ok(power)
     }
-
-    /// One-sided power spectrum of a joint's noise in the segment's rows, filtered and decimated, Nm²/Hz: what lies above
-    /// half the row rate is folded into it.
-    #[must_use]
-    pub fn row_psd(&self, joint: usize, segment: &Segment, frequency_hz: f64) -> f64 {
-        folded(frequency_hz, segment, |f| self.psd(joint, f) * segment.parallel_filter.gain(f).powi(2))
-    }
-
-    /// [`Self::row_psd`] over what white noise of power one would have there: the shape that the instrument gives the
-    /// noise, without that of the filter.
-    #[must_use]
-    pub fn row_shape(&self, joint: usize, segment: &Segment, frequency_hz: f64) -> f64 {
-        let white = folded(frequency_hz, segment, |f| segment.parallel_filter.gain(f).powi(2));
-        self.row_psd(joint, segment, frequency_hz) / white.max(f64::MIN_POSITIVE)
-    }
-}
-
-/// Σ over all frequencies up to half the sampling rate that decimation folds onto one.
-fn folded(frequency_hz: f64, segment: &Segment, psd: impl Fn(f64) -> f64) -> f64 {
-    let row_rate_hz = segment.rate_hz / segment.decimation as f64;
-    let mut sum = psd(frequency_hz);
-    for image in 1..=segment.decimation / 2 {
-        let centre = image as f64 * row_rate_hz;
-        for f in [centre - frequency_hz, centre + frequency_hz] {
-            if f < 0.5 * segment.rate_hz {
-                sum += psd(f);
-            }
-        }
-    }
-    sum
 }
 
 /// ∫ psd df, by midpoints that lie denser at low frequencies, where memory is.

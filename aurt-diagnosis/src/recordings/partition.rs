@@ -94,7 +94,6 @@ pub(crate) fn is_judged(role: Role, targets: bool, validated: bool) -> bool {
     !validated && (role == Role::Target || role == Role::Calibration && !targets)
 }
 
-/// End of the rows that fit.
 pub(crate) fn end_of_fit(rows: usize, judged: bool) -> usize {
     if judged { (rows as f64 * (1.0 - HELD_OUT_TAIL)) as usize } else { rows }
 }

@@ -42,7 +42,6 @@ pub struct RecordingRows {
     pub time_s: Vec<f64>,
     /// First row of each segment, and the number of rows at the end.
     pub segment_starts: Vec<usize>,
-    /// The joints' rows.
     pub joints: Vec<JointRows>,
 }
 
@@ -109,7 +108,6 @@ impl Layout {
     }
 }
 
-/// The rows of one joint.
 #[derive(Debug, Clone, Default)]
 pub struct JointRows {
     /// Row values, column after column in the order of [`Layout::rows`].
@@ -275,9 +273,7 @@ impl RecordingRows {
 pub struct Fit<'a> {
     /// Its structure.
     pub model: &'a RobotModel,
-    /// Its load torque.
     pub load: &'a LoadTorque,
-    /// Its coefficients.
     pub coefficients: &'a [f64],
 }
 

@@ -116,7 +116,6 @@ impl Boosted {
         self.trees.len()
     }
 
-    /// The prediction at a row of classes.
     pub fn predict(&self, classes: &[Vec<u8>], row: usize) -> f64 {
         self.trees.iter().map(|tree| tree.predict(classes, row)).sum()
     }

@@ -46,7 +46,6 @@ pub struct Share {
 /// A feature that the remainder follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Follows {
-    /// The feature.
     pub feature: String,
     /// Its share of what the trees gain.
     pub share: f64,
@@ -69,7 +68,6 @@ pub enum Rest {
 /// How the held-out error of a joint is made up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Remainder {
-    /// The joint.
     pub joint: usize,
     /// What is left beside the claims.
     pub rest: Rest,

@@ -34,7 +34,6 @@ pub struct QuestionedRecording {
 pub struct Spoilt {
     /// The recording as read.
     pub original: Arc<Recording>,
-    /// Its faults.
     pub faults: RecordingFaults,
     /// The value of each joint's measurement that never changes: what was logged there is no measurement, and the joint's
     /// rows do not count.
@@ -170,7 +169,6 @@ fn constant(series: &[f64]) -> Option<f64> {
 /// An effect of the calibration recordings, with the shapes that they give it.
 #[derive(Debug, Clone)]
 pub struct StructuralEffect {
-    /// The effect.
     pub effect: &'static Effect,
     /// Its term.
     pub proposal: Proposal,
@@ -183,9 +181,7 @@ pub struct Question<'a> {
     pub model: &'a RobotModel,
     /// A calibrated model that is not to be recalibrated.
     pub frozen: Option<&'a Calibration>,
-    /// The recordings.
     pub recordings: &'a [QuestionedRecording],
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
     /// Frequency of the robot's dynamics, Hz.
     pub f_dyn_hz: f64,

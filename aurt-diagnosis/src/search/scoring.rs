@@ -350,7 +350,6 @@ fn is_better(blocks: &[[f64; 2]]) -> bool {
 
 /// What is lost without an effect.
 pub(crate) struct Loss {
-    /// The score.
     pub(crate) score: f64,
     /// Log-MSE of each joint.
     pub(crate) of_joint: Vec<f64>,

@@ -42,7 +42,6 @@ impl Chosen {
 pub struct Rival {
     /// Index of the group.
     pub group: usize,
-    /// Its score.
     pub score: f64,
     /// Whether it scores as well but for a tie.
     pub as_good: bool,

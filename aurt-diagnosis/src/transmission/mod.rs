@@ -75,7 +75,6 @@ pub struct Shaking {
 /// The gear of a joint that recordings would show.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VisibleGear {
-    /// The joint.
     pub joint: usize,
     /// A gear softer than this would show, Nm/rad; absent where no gear of a robot would.
     pub below_nm_rad: Option<f64>,

@@ -65,7 +65,6 @@ pub struct Curves {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
-    /// Findings.
     pub findings: usize,
     /// Those that were right.
     pub hits: usize,

@@ -116,7 +116,6 @@ impl Verdict {
 pub struct Finding {
     /// Identifier of the effect.
     pub effect: String,
-    /// Its family.
     pub family: Family,
     /// The joints whose physics it is; of a whole-arm effect those whose error it explains.
     pub joints: Vec<usize>,
@@ -188,7 +187,6 @@ pub struct NotExamined {
 pub struct RegisteredFinding {
     /// Its name in experiments.
     pub model: String,
-    /// Its slot.
     pub slot: Slot,
     /// Who registered it.
     pub origin: String,
@@ -271,7 +269,6 @@ pub struct NotDecidable {
 /// What is left at a joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointResidual {
-    /// The joint.
     pub joint: usize,
     /// Root mean square of the baseline's residual, in the measurement's unit.
     pub baseline_rms: f64,
@@ -315,7 +312,6 @@ impl HeldOut {
 /// A joint whose held-out rows the model does not describe, though it describes the rows that it was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeldOutDifference {
-    /// The joint.
     pub joint: usize,
     /// Root mean square of the error on the held-out rows.
     pub rms: f64,

@@ -22,7 +22,6 @@ pub struct RecordingSeries {
     pub time_s: Vec<f64>,
     /// Index of the first row of each stretch without gaps.
     pub segment_starts: Vec<usize>,
-    /// The joints.
     pub joints: Vec<JointSeriesRows>,
 }
 

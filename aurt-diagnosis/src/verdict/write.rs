@@ -25,7 +25,6 @@ use crate::verdict::{
 use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
-/// The verdict of an investigation.
 #[must_use]
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
     let fitted = Fitted::new(investigation, investigation.switches());

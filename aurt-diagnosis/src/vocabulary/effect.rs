@@ -70,7 +70,6 @@ pub type Estimate = fn(&Proposal, &[FittedColumn], &OwnFriction) -> Parameters;
 pub struct Effect {
     /// Identifier, and name of the effect's file.
     pub id: &'static str,
-    /// Its family.
     pub family: Family,
     /// The effect in a few words, to be used in a sentence.
     pub title: &'static str,

@@ -7,7 +7,6 @@ use aurt_traits::MeasurementUnit;
 pub enum Unit {
     /// A ratio, a count or the number of a thing.
     One,
-    /// That of the measurement.
     Measurement,
     /// Nm.
     Torque,
@@ -107,7 +106,6 @@ impl Unit {
 pub struct Parameter {
     /// Its canonical name, with its unit in a model of torques.
     pub name: &'static str,
-    /// Its unit.
     pub unit: Unit,
     /// Whether a negative value would drive the arm with energy from nowhere.
     pub never_negative: bool,

@@ -17,7 +17,6 @@ pub struct Context<'a> {
     pub links: usize,
     /// Pairs of joints neither of which carries the other, the first before the second: those of two arms.
     pub apart: &'a [[usize; 2]],
-    /// The recordings' rows.
     pub recordings: &'a [RecordingRows],
     /// Residual of the baseline, `[recording][joint]`.
     pub residual: &'a [Vec<Vec<f64>>],

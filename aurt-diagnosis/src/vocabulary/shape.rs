@@ -54,7 +54,6 @@ impl Shape {
         Self { usual: true, ..self }
     }
 
-    /// The value in a configuration.
     pub(crate) fn value(&self, configuration: &Value) -> Option<f64> {
         configuration.pointer(self.pointer).and_then(Value::as_f64)
     }

@@ -8,7 +8,7 @@ use aurt::{
     data::{Loaded, Purpose, Source},
 };
 use aurt_diagnosis::{
-    Improvement, Investigation, Learnt, Method, Question, QuestionedRecording, RecordingSeries, Role,
+    Improvement, Investigation, Learnt, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, from_folder, improved_experiment, improvement, series, with_file_names,
 };
 use aurt_plugins::{Entry, Node, NodeKind, Registry};
@@ -20,7 +20,7 @@ use aurt_report::{
     results::verdict::Shown,
 };
 use aurt_traits::{ColumnGroup, MeasurementUnit};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::workbench::{
     experiments::{calibration_options, fit_experiment, instrument, source},
@@ -37,8 +37,6 @@ pub struct DiagnosisOptions {
     pub without: Vec<String>,
     /// Where confidence comes from, if not from the program's own proof.
     pub learnt: Option<Learnt>,
-    /// Whether simpler methods answer, too.
-    pub compare: bool,
     /// The folder that the improved experiment is for (its file names lead from there); none for the verdict alone.
     pub improve_for: Option<PathBuf>,
     /// Whether [`Diagnosis::series`] is wanted.
@@ -58,8 +56,6 @@ pub struct Diagnosis {
     pub unit: MeasurementUnit,
     /// What was held out, with its part of the recording.
     pub held_out: Vec<String>,
-    /// The answers of simpler methods, by their names.
-    pub comparison: Option<Value>,
     pub improved: Option<Improved>,
     /// The recordings row by row, if asked for.
     pub series: Vec<DiagnosedSeries>,
@@ -172,22 +168,9 @@ impl Found<'_> {
         }
         let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
         let document = with_names(json!(verdict), question.model.rigid_body().joint_names());
-        let comparison = options.compare.then(|| {
-            let answer = |method: Method| json!(method.answer(question, investigation));
-            let methods = Method::ALL.into_iter().map(|method| (method.name().to_owned(), answer(method)));
-            Value::Object(methods.collect::<Map<_, _>>())
-        });
         let series_of = || series(question, investigation);
-        let mut diagnosis = Diagnosis {
-            verdict,
-            document,
-            asked,
-            unit,
-            held_out,
-            comparison,
-            improved: None,
-            series: Vec::new(),
-        };
+        let mut diagnosis =
+            Diagnosis { verdict, document, asked, unit, held_out, improved: None, series: Vec::new() };
         if let Some(folder) = &options.improve_for {
             progress.step("calibrating the improved model");
             diagnosis.improved = Some(self.improved(folder, &diagnosis, &series_of(), registry)?);

@@ -22,7 +22,7 @@ use serde_json::json;
 /// `injected` adds effects to the recordings of experiments that `--into` names, `servo` are simulated servo arms that
 /// record commands and positions. A world that cannot be made here is
 /// skipped with a line that says why. Every case of one effect is diagnosed once more with that effect's candidate
-/// removed, and simpler methods answer the same cases. Cases that were diagnosed before are skipped: a proof that was
+/// removed. Cases that were diagnosed before are skipped: a proof that was
 /// interrupted goes on.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt-lab prove --small --seed 7 --out proof\n  \

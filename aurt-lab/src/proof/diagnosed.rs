@@ -119,7 +119,7 @@ fn prove_reference(source: &dyn Source, name: &str, place: &Place, options: &Opt
     }
     let files: Vec<(String, Vec<u8>)> = source.reference(name)?.files;
     OutputFolder::nested("--out", &folder)?.write(&files)?;
-    diagnose(&folder, &out, &["--compare"], options)?;
+    diagnose(&folder, &out, &[], options)?;
     forget(&folder, options)
 }
 
@@ -147,8 +147,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
             .write(&[(format!("{name}.txt"), reason.into_bytes())]);
     }
     if !is_done(&verdict) {
-        let more: &[&str] = if source.compares() { &["--compare"] } else { &[] };
-        diagnose(&folder, &verdict, more, options)?;
+        diagnose(&folder, &verdict, &[], options)?;
     }
     for (out, arguments) in again.iter().filter(|(out, _)| !is_done(out)) {
         diagnose(&folder, out, arguments, options)?;

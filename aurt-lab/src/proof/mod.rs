@@ -30,8 +30,6 @@ pub use source::{Ingredients, Source};
 pub use worlds::source;
 
 pub const VERDICT: &str = "verdict.json";
-/// What simpler methods would have said, beside it.
-pub const COMPARISON: &str = "comparison.json";
 /// Why a diagnosis gave no verdict, in its place.
 pub const FAILED: &str = "failed.txt";
 /// Why a case does not have a variant, in the place of its verdict.

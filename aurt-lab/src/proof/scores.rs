@@ -11,9 +11,8 @@ use crate::{
     product::Failure,
     score::{CaseScore, Claim, ClaimSet, score},
 };
-use serde_json::Value;
 
-use super::{COMPARISON, FAILED, Place, VERDICT, variants::Variant};
+use super::{FAILED, Place, VERDICT, variants::Variant};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdicts {
@@ -26,7 +25,6 @@ pub enum Verdicts {
     Oracle {
         own: PathBuf,
     },
-    Method(String),
 }
 
 /// The folder of the verdict on the recordings without effects, among the verdicts.
@@ -64,7 +62,7 @@ struct KnownClaims {
 }
 
 /// The claims of a reference, and those of structure of the other references of the same robot.
-fn elsewhere(place: &Path, name: &str, own: &Claim, whose: &Verdicts) -> Result<Claim, Failure> {
+fn elsewhere(place: &Path, name: &str, own: &Claim) -> Result<Claim, Failure> {
     // ROBOT_QUESTION_NUMBER.
     let robot = |name: &str| name.rsplitn(3, '_').nth(2).map(str::to_owned);
     let mut known = own.clone();
@@ -73,7 +71,7 @@ fn elsewhere(place: &Path, name: &str, own: &Claim, whose: &Verdicts) -> Result<
     names.sort_unstable();
     for other in names.iter().filter_map(|folder| folder.strip_prefix(&reference_folder(""))) {
         if other != name && robot(other) == robot(name) {
-            let claim = claim(&place.join(reference_folder(other)), whose)?;
+            let claim = claim(&place.join(reference_folder(other)))?;
             known.effects.extend(claim.into_iter().flat_map(|c| c.effects).filter(|e| !e.is_change()));
         }
     }
@@ -86,19 +84,17 @@ pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result
     let mut references: BTreeMap<String, Option<KnownClaims>> = BTreeMap::new();
     for path in truths(sealed)? {
         let truth = Truth::read(&path)?;
-        let Some(claim) = claim(&verdicts.join(&truth.case), whose)? else { continue };
+        let Some(claim) = claim(&verdicts.join(&truth.case))? else { continue };
         let known = match &truth.reference {
             Some(name) => {
                 if !references.contains_key(name) {
-                    let (place, of) = match whose {
-                        Verdicts::Removed { own } | Verdicts::Oracle { own } => {
-                            (own.as_path(), &Verdicts::Own)
-                        }
-                        _ => (verdicts, whose),
+                    let place = match whose {
+                        Verdicts::Removed { own } | Verdicts::Oracle { own } => own.as_path(),
+                        Verdicts::Own => verdicts,
                     };
-                    let own = self::claim(&place.join(reference_folder(name)), of)?;
+                    let own = self::claim(&place.join(reference_folder(name)))?;
                     let known = match own {
-                        Some(own) => Some(KnownClaims { elsewhere: elsewhere(place, name, &own, of)?, own }),
+                        Some(own) => Some(KnownClaims { elsewhere: elsewhere(place, name, &own)?, own }),
                         None => None,
                     };
                     references.insert(name.clone(), known);
@@ -133,7 +129,7 @@ pub fn add_oracle(scores: &mut [CaseScore], sealed: &Path, own: &Path, oracle: &
 /// Adds to scores the claims by which the variants of their cases differ from them, as far as these were diagnosed.
 pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failure> {
     let claims = |folder: PathBuf| -> Result<Option<ClaimSet>, Failure> {
-        Ok(claim(&folder, &Verdicts::Own)?.map(|claim| ClaimSet::of(&claim)))
+        Ok(claim(&folder)?.map(|claim| ClaimSet::of(&claim)))
     };
     for score in scores {
         let of = |variant: Variant| claims(place.variants().join(variant.name()).join(&score.case));
@@ -155,10 +151,7 @@ pub fn add_variants(scores: &mut [CaseScore], place: &Place) -> Result<(), Failu
     Ok(())
 }
 
-fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
-    if let Verdicts::Method(name) = whose {
-        return method(&folder.join(COMPARISON), name);
-    }
+fn claim(folder: &Path) -> Result<Option<Claim>, Failure> {
     let file = folder.join(VERDICT);
     Ok(if file.exists() {
         Some(Claim::read(file)?)
@@ -186,17 +179,6 @@ fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(paths)
 }
 
-/// What a method said of a case, from its comparison file.
-fn method(path: &Path, name: &str) -> Result<Option<Claim>, Failure> {
-    let Ok(text) = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES) else { return Ok(None) };
-    let refuse = |reason: String| Failure::unfit(path, reason, "diagnose the case again with --compare");
-    let mut all: Value = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
-    match all.get_mut(name).map(Value::take) {
-        Some(claim) => serde_json::from_value(claim).map(Some).map_err(|e| refuse(e.to_string())),
-        None => Ok(None),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,9 +197,8 @@ mod tests {
         write("ur10e_all_2", "viscous_nonlinear", &["calibration"]);
         write("ur10e_changed_1", "coulomb", &["target"]);
         write("kr300_all_1", "spring", &["calibration"]);
-        let own =
-            claim(&place.path().join(reference_folder("ur10e_all_1")), &Verdicts::Own).unwrap().unwrap();
-        let known = elsewhere(place.path(), "ur10e_all_1", &own, &Verdicts::Own).unwrap();
+        let own = claim(&place.path().join(reference_folder("ur10e_all_1"))).unwrap().unwrap();
+        let known = elsewhere(place.path(), "ur10e_all_1", &own).unwrap();
         let effects: Vec<&str> = known.effects.iter().map(|e| e.effect.as_str()).collect();
         assert_eq!(effects, ["rotor_inertia", "viscous_nonlinear"]);
     }

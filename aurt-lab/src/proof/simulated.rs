@@ -47,8 +47,4 @@ impl Source for Simulated {
         let write = || make()?.write(cases, sealed);
         write().map_err(|error| error.to_string())
     }
-
-    fn compares(&self) -> bool {
-        self.world != World::Servo
-    }
 }

@@ -29,11 +29,6 @@ pub trait Source: Sync {
         &[]
     }
 
-    /// Whether simpler methods answer the same cases.
-    fn compares(&self) -> bool {
-        true
-    }
-
     /// Names of the same recordings without effects, which are diagnosed once.
     fn references(&self) -> Vec<String> {
         Vec::new()

@@ -39,7 +39,6 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     assert_eq!(share(&clean["unknown_effects"]), (Some(1), Some(1)));
     assert_eq!(share(&clean["removed"]), (Some(3), Some(3)), "{clean:#}");
     assert!(!folder.path("part1/clean/cases/case_0001").exists(), "recordings are not kept");
-    assert!(board["methods"]["lasso"]["worlds"]["clean"].is_object());
 
     // One verdict is lost: only its case is made again, and the board is the same.
     let text = folder.read("proof/scoreboard.md");

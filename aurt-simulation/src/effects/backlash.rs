@@ -5,7 +5,6 @@ use super::joint_elasticity::{check_rotors, gear_damping_nm_s, heavy_link, make_
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Backlash {
-    /// The joint.
     pub joint: usize,
     /// Half the play, rad.
     pub gap_rad: f64,

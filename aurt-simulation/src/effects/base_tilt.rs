@@ -5,9 +5,7 @@ use super::declaring::*;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaseTilt {
-    /// Roll, rad.
     pub roll_rad: f64,
-    /// Pitch, rad.
     pub pitch_rad: f64,
 }
 

@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coulomb {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Level in the place of the robot's own, Nm.
     pub coulomb_nm: Vec<f64>,

@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoulombAsymmetry {
-    /// The joints.
     pub joints: Vec<usize>,
     /// What the positive direction has more than the mean, Nm; negative for less.
     pub half_difference_nm: Vec<f64>,

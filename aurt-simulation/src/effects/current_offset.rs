@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurrentOffset {
-    /// The joints.
     pub joints: Vec<usize>,
     /// The constant, Nm.
     pub offset_nm: Vec<f64>,

@@ -5,7 +5,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveEfficiency {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Loss per load while driving, Nm/Nm.
     pub driving: Vec<f64>,

@@ -6,7 +6,6 @@ use aurt_rbd::{LinkFrame, SerialChain};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExternalContact {
-    /// The link.
     pub link: usize,
     /// The point, in the link's frame, m.
     pub point_m: [f64; 3],

@@ -5,7 +5,6 @@ use crate::plant::ViscousLaw;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionLevelChanged {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Relative change of Coulomb friction.
     pub coulomb_change: Vec<f64>,

@@ -5,7 +5,6 @@ use crate::plant::{CoupledRotor, Gear};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointCouplingFriction {
-    /// The joint.
     pub joint: usize,
     /// The other joint.
     pub partner: usize,

@@ -5,9 +5,7 @@ use crate::plant::Gear;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointElasticity {
-    /// The joints.
     pub joints: Vec<usize>,
-    /// Stiffness, Nm/rad.
     pub stiffness_nm_rad: Vec<f64>,
     /// Damping, Nm s/rad.
     pub damping_nm_s: Vec<f64>,

@@ -41,7 +41,6 @@ pub enum Presence {
     Structural,
     /// In the later ones: something has changed since calibration.
     Later,
-    /// Either.
     Either,
 }
 
@@ -58,7 +57,6 @@ pub enum Shapes {
 /// What an effect is drawn for.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw<'a> {
-    /// The robot.
     pub robot: &'a Robot,
     /// The joints that [`EffectKind::choose_joints`] chose.
     pub joints: &'a [usize],
@@ -105,7 +103,6 @@ pub enum Takes {
 pub struct EffectKind {
     /// Identifier, snake_case.
     pub identifier: &'static str,
-    /// Family.
     pub family: Family,
     /// One line.
     pub summary: &'static str,
@@ -117,7 +114,6 @@ pub struct EffectKind {
     pub takes: Takes,
     /// Whether it can be on a joint.
     pub suits: fn(&Robot, usize) -> bool,
-    /// Draws an effect.
     pub draw: fn(&Draw<'_>, &mut Random) -> Box<dyn Effect>,
     /// Reads the fields of an effect.
     pub read: fn(Value) -> Result<Box<dyn Effect>, serde_json::Error>,

@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadDependentFriction {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Friction per load, Nm/Nm.
     pub load_coefficient: Vec<f64>,

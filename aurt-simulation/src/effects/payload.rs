@@ -5,9 +5,7 @@ use aurt_rbd::LinkBody;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
-    /// The link.
     pub link: usize,
-    /// Mass, kg.
     pub mass_kg: f64,
     /// Centre of mass in the link's frame, m.
     pub com_m: [f64; 3],
@@ -16,7 +14,6 @@ pub struct Payload {
 }
 
 impl Payload {
-    /// The body.
     #[must_use]
     pub fn body(&self) -> LinkBody {
         let [a, b, c] = self.edges_m.map(|edge| edge * edge / 12.0);

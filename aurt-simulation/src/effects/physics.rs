@@ -18,7 +18,6 @@ use crate::robots::{Robot, Rotors};
 pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// Identifier, snake_case.
     const IDENTIFIER: &'static str;
-    /// Family.
     const FAMILY: Family;
     /// One line.
     const SUMMARY: &'static str;
@@ -142,7 +141,6 @@ pub struct Checks<'a> {
     found: Complaints,
     effect: &'static str,
     joints: Vec<usize>,
-    /// The robot.
     pub robot: &'a Robot,
 }
 

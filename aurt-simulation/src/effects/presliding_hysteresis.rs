@@ -18,11 +18,9 @@ pub enum BristleModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreslidingHysteresis {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Distance over which friction builds up, rad.
     pub distance_rad: Vec<f64>,
-    /// The model.
     pub model: BristleModel,
     /// Damping of the bristles as a share of the robot's viscous friction (LuGre alone).
     pub damping_share: f64,

@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RotorInertia {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Inertia on the joint's side, kg m².
     pub inertia_kg_m2: Vec<f64>,

@@ -4,9 +4,7 @@ use super::declaring::*;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saturation {
-    /// The joint.
     pub joint: usize,
-    /// The limit, Nm.
     pub limit_nm: f64,
     /// The largest torque that the motion needs, Nm.
     pub peak_nm: f64,

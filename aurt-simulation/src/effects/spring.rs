@@ -5,9 +5,7 @@ use crate::plant::{Instant, LinkTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
-    /// The joint.
     pub joint: usize,
-    /// Stiffness, Nm/rad.
     pub stiffness_nm_rad: f64,
     /// Angle without torque, rad.
     pub rest_rad: f64,

@@ -7,7 +7,6 @@ use crate::plant::{DryTerm, Instant};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stribeck {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Static less Coulomb friction, Nm.
     pub excess_nm: Vec<f64>,

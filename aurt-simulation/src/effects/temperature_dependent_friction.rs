@@ -6,7 +6,6 @@ use crate::robots::Drive;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TemperatureDependentFriction {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Relative fall of viscous friction per kelvin; dry friction falls by `dry_share` of it.
     pub fall_per_k: Vec<f64>,

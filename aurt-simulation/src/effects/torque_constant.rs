@@ -4,7 +4,6 @@ use super::declaring::*;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueConstant {
-    /// The joints.
     pub joints: Vec<usize>,
     /// e.
     pub gain_error: Vec<f64>,

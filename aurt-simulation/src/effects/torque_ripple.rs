@@ -5,11 +5,9 @@ use crate::plant::{Instant, ShaftTorque};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueRipple {
-    /// The joint.
     pub joint: usize,
     /// N, periods per revolution of the joint.
     pub order: f64,
-    /// Amplitude, Nm.
     pub amplitude_nm: f64,
     /// φ, rad.
     pub phase_rad: f64,

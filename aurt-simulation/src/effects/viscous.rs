@@ -5,7 +5,6 @@ use crate::plant::LinearViscous;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Viscous {
-    /// The joints.
     pub joints: Vec<usize>,
     /// Slope in the place of the robot's own, Nm s/rad.
     pub viscous_nm_s: Vec<f64>,

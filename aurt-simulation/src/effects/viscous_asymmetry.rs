@@ -5,7 +5,6 @@ use crate::plant::ViscousLaw;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ViscousAsymmetry {
-    /// The joints.
     pub joints: Vec<usize>,
     /// What the positive direction has more than the mean, Nm s/rad; negative for less.
     pub half_difference_nm_s: Vec<f64>,

@@ -8,9 +8,7 @@ use crate::plant::ViscousLaw;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ViscousNonlinear {
-    /// The joints.
     pub joints: Vec<usize>,
-    /// A, Nm.
     pub bend_nm: Vec<f64>,
     /// F_v, Nm s/rad.
     pub slope_nm_s: Vec<f64>,

@@ -9,7 +9,6 @@ use super::scene::Scene;
 /// The quantity that is an effect's size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SizeName {
-    /// Its name.
     pub name: &'static str,
     /// Its unit where torques are in Nm.
     pub unit: &'static str,

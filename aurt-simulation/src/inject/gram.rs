@@ -64,7 +64,6 @@ impl Gram {
     }
 }
 
-/// Mean of the squares.
 #[must_use]
 pub fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64

@@ -25,7 +25,6 @@ pub struct Injection {
 pub struct Recorded {
     /// What the experiment calls it.
     pub name: String,
-    /// The recording.
     pub recording: Recording,
     /// Its motion and load.
     pub scene: Scene,
@@ -69,7 +68,6 @@ impl Injection {
         })
     }
 
-    /// The experiment.
     #[must_use]
     pub const fn real(&self) -> &RealExperiment {
         &self.real
@@ -87,7 +85,6 @@ impl Injection {
         self.figures.len()
     }
 
-    /// The recordings.
     #[must_use]
     pub fn recorded(&self) -> &[Recorded] {
         &self.recorded

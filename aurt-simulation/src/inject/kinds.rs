@@ -8,9 +8,7 @@ use crate::error::SimulationError;
 /// What is known of an effect that can be added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// Identifier.
     pub identifier: &'static str,
-    /// Family.
     pub family: Family,
     /// In which recordings it can be.
     pub presence: Presence,

@@ -50,7 +50,6 @@ pub enum Law {
     JointCouplingFriction {
         /// k.
         partner: usize,
-        /// Ratio.
         ratio: f64,
         /// Viscous over Coulomb coefficient, s/rad.
         viscous_s: f64,
@@ -61,7 +60,6 @@ pub enum Law {
     RotorInertia,
     /// A body of mass size on a link.
     Payload {
-        /// The link.
         link: usize,
         /// Centre of mass in the link's frame, m.
         com_m: [f64; 3],
@@ -117,7 +115,6 @@ pub enum Law {
     },
     /// size · sin(2π f t + φ).
     PeriodicDisturbance {
-        /// f, Hz.
         frequency_hz: f64,
         /// φ, rad.
         phase_rad: f64,

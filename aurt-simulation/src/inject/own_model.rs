@@ -32,7 +32,6 @@ pub struct OwnModel {
 pub struct Rows {
     /// Entries of each joint's row.
     pub columns: Vec<Vec<Vec<f64>>>,
-    /// The measurement.
     pub measured: Vec<Vec<f64>>,
 }
 

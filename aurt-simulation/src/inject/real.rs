@@ -25,7 +25,6 @@ pub struct RealExperiment {
     pub options: PreprocessOptions,
     /// What the experiment's structure has beyond rigid bodies, joint by joint.
     pub structure: Structure,
-    /// The recordings.
     pub recordings: Vec<RealRecording>,
 }
 

@@ -10,7 +10,6 @@ use crate::error::SimulationError;
 /// A recording as effects see it: its motion, the torque of its rigid bodies, and the robot's own friction.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The smoothed motion.
     pub motion: Smoothed,
     /// Torque of the rigid bodies as fitted, `[joint][sample]`.
     pub load: Vec<Vec<f64>>,

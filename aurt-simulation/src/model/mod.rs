@@ -44,9 +44,7 @@ const LOST: (f64, f64) = (100.0, 0.5);
 /// A model that has been given its coefficients.
 #[derive(Debug, Clone)]
 pub struct MovingModel<'a> {
-    /// The model.
     pub model: &'a RobotModel,
-    /// Its coefficients.
     pub coefficients: &'a [f64],
     /// How its load torque is formed.
     pub load: &'a LoadTorque,
@@ -59,7 +57,6 @@ pub struct ModelMotion {
     pub time_s: Vec<f64>,
     /// Angles, rad.
     pub position_rad: Vec<Vec<f64>>,
-    /// Velocities, rad/s.
     pub velocity_rad_s: Vec<Vec<f64>>,
     /// What drives the joints, in the unit that the model was calibrated in.
     pub torque: Vec<Vec<f64>>,

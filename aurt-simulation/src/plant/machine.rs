@@ -111,7 +111,6 @@ pub enum Gear {
     Rigid,
     /// A spring and a damper in parallel, with play of ± `half_gap_rad` in which they are not engaged.
     Compliant {
-        /// Nm/rad.
         stiffness_nm_rad: f64,
         /// Nm s/rad.
         damping_nm_s: f64,
@@ -163,7 +162,6 @@ pub struct JointPhysics {
 pub struct CoupledRotor {
     /// (joint, ratio) pairs.
     pub ratios: Vec<(usize, f64)>,
-    /// Inertia, kg m².
     pub inertia_kg_m2: f64,
     /// Viscous friction, Nm s/rad.
     pub viscous_nm_s: f64,
@@ -178,13 +176,10 @@ pub struct Machine {
     pub robot: Robot,
     /// The robot as its controller believes it to be.
     pub nominal: Robot,
-    /// The joints' physics.
     pub joints: Vec<JointPhysics>,
     /// Rotors that turn with several joints.
     pub couplings: Vec<CoupledRotor>,
-    /// Torques on the shafts.
     pub shaft_torques: Vec<Box<dyn ShaftTorque>>,
-    /// Torques on the links.
     pub link_torques: Vec<Box<dyn LinkTorque>>,
 }
 

@@ -66,7 +66,6 @@ pub struct Traces {
 }
 
 impl Traces {
-    /// Time of a sample, s.
     #[must_use]
     pub fn time_s(&self, sample: usize) -> f64 {
         sample as f64 * TRACE_STEP_S

@@ -72,5 +72,4 @@ pub(crate) fn step_s(plant: &mut Plant, home_rad: &[f64], sample_s: f64) -> Resu
 /// Step times fastest rate: the method is stable to 2.8, and at 0.4 its error per unit of time is 1e-4 of
 /// the fastest mode's own motion.
 const STEP_PER_RATE: f64 = 0.6;
-/// Smallest step, s.
 pub(crate) const SMALLEST_STEP_S: f64 = 2e-5;

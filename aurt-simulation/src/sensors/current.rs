@@ -23,7 +23,6 @@ pub struct DriveRipple {
     pub amplitude_nm: f64,
     /// Periods per revolution of the joint.
     pub order: f64,
-    /// Phase, rad.
     pub phase_rad: f64,
 }
 

@@ -37,7 +37,6 @@ pub struct Logger {
     pub measurement_decimals: usize,
     /// Whether velocities are written too, as the controller sees them (with noise of 1e-3 rad/s).
     pub velocity: bool,
-    /// Names of the columns.
     pub names: ColumnNames,
     /// What goes wrong with rows.
     pub faults: ClockFaults,
@@ -67,7 +66,6 @@ const VELOCITY_NOISE_RAD_S: f64 = 1e-3;
 pub struct SimulatedRecording {
     /// Number of joints N.
     pub joints: usize,
-    /// Unit of the measurement.
     pub unit: MeasurementUnit,
     /// Time stamps, s.
     pub time_s: Vec<f64>,
@@ -313,15 +311,6 @@ impl SimulatedRecording {
             text.push(b'\n');
         }
         text
-    }
-
-    /// Writes [`Self::csv`] to a file.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`].
-    pub fn write_csv(&self, path: impl AsRef<std::path::Path>) -> Result<(), SimulationError> {
-        let path = path.as_ref();
-        Ok(aurt_files::output::write_file(path, &self.csv())?)
     }
 }
 

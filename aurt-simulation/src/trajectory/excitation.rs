@@ -14,7 +14,6 @@ use crate::robots::Robot;
 /// How an excitation is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExcitationOptions {
-    /// The multi-sine.
     pub sines: MultiSineOptions,
     /// Number of multi-sines that are tried.
     pub tries: usize,

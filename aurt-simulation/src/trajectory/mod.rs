@@ -56,7 +56,6 @@ pub enum Motion {
     },
     /// Moves between random poses with rests between them.
     PointToPoint {
-        /// Duration in s.
         duration_s: f64,
         /// Share of the velocity and acceleration limits that is used, (0, 1].
         share: f64,
@@ -78,16 +77,13 @@ pub enum Motion {
     },
     /// Slow triangles of nested amplitudes on all joints, rich in reversals.
     Triangles {
-        /// Duration in s.
         duration_s: f64,
-        /// Speed in rad/s.
         speed_rad_s: f64,
         /// Largest amplitude in rad; loops of down to a twentieth of it are nested in.
         amplitude_rad: f64,
     },
     /// Strokes back and forth at constant velocities up to a share of the limit.
     Sweeps {
-        /// Duration in s.
         duration_s: f64,
         /// Share of the velocity limits that the fastest stroke uses, (0, 1].
         share: f64,
@@ -148,7 +144,6 @@ impl Trajectory {
         self.0.joints()
     }
 
-    /// Duration in s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.0.duration_s()

@@ -31,7 +31,6 @@ pub(crate) static REGISTERED: Effect = Effect { id: "registered_model", ..Effect
 /// A registered model that is tried.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RegisteredModel {
-    /// Its slot.
     pub slot: Slot,
     /// Its name in experiments.
     pub name: String,

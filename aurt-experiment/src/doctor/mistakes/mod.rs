@@ -174,10 +174,6 @@ impl Examination {
         })
     }
 
-    pub fn cures(&self) -> Vec<String> {
-        self.steps.iter().map(|s| wording::undone(&s.mistake, self.names())).collect()
-    }
-
     /// What the recordings leave open of the setup, in sentences.
     pub fn remarks(&self) -> Vec<String> {
         let of_gravity = "these currents do not tell the sign of gravity: the other way round it explains them as well; state \
