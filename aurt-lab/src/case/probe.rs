@@ -7,13 +7,13 @@ use super::laboratory::Laboratory;
 use super::layout::{Role, Slot};
 use crate::{
     effects::read_effect,
-    fit::{Columns, NoiseFreeFit, Samples, without_absorbed_rotors},
+    fit::{NoiseFreeFit, Samples, without_absorbed_rotors},
     strength::Strength,
 };
 use aurt_simulation::{
     SimulationError,
     effects::{Effect, EffectKind, Factor, Shapes},
-    inject::Structure,
+    inject::{Structure, StructureColumns},
     plant::Traces,
     robots::Robot,
     sensors::Instrument,
@@ -52,7 +52,7 @@ impl Undisturbed {
 pub(super) struct Bench {
     pub robot: Robot,
     pub structure: Structure,
-    pub columns: Arc<Columns>,
+    pub columns: Arc<StructureColumns>,
     pub laboratory: Rc<Laboratory>,
     pub bounds: Robot,
     pub undisturbed: Undisturbed,
@@ -68,7 +68,7 @@ impl Bench {
         laboratory: &Rc<Laboratory>,
     ) -> Result<Self, SimulationError> {
         let structure = without_absorbed_rotors(Structure::of(&robot), &robot)?;
-        let columns = Arc::new(Columns::new(&robot, &structure)?);
+        let columns = Arc::new(StructureColumns::of_robot(&robot, &structure)?);
         let instrument = laboratory.instrument.clone();
         let traces =
             slots.iter().map(|slot| laboratory.trace(&robot, slot)).collect::<Result<Vec<_>, _>>()?;

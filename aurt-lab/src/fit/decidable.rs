@@ -1,9 +1,8 @@
 use aurt_traits::Motion;
 
-use super::columns::Columns;
 use aurt_simulation::{
     Random, SimulationError,
-    inject::{Gram, Structure},
+    inject::{Gram, Structure, StructureColumns},
     robots::Robot,
 };
 
@@ -30,7 +29,7 @@ pub(crate) fn without_absorbed_rotors(
     for joint in &mut bare.joints {
         (joint.coulomb, joint.viscous, joint.rotor, joint.load) = (false, false, false, false);
     }
-    let columns = Columns::new(robot, &bare)?;
+    let columns = StructureColumns::of_robot(robot, &bare)?;
     let rows = columns.evaluate(motion.view());
     let nothing = vec![0.0; SAMPLES];
     for joint in 0..n {

@@ -2,13 +2,11 @@
 //! absorb and how much noise it leaves. It is no calibration: the structure is the simulator's, fixed, and
 //! nothing of it is reported but residuals.
 
-mod columns;
 mod decidable;
 mod noise_free;
 mod processed;
 
 pub use processed::{ProcessedFit, processed_motion};
 
-pub(crate) use columns::Columns;
 pub(crate) use decidable::without_absorbed_rotors;
 pub(crate) use noise_free::{NoiseFreeFit, Samples};

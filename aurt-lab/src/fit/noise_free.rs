@@ -4,13 +4,11 @@ use std::sync::Arc;
 
 use aurt_simulation::{
     Robot, SimulationError,
-    inject::Gram,
+    inject::{Gram, StructureColumns},
     plant::{TRACE_STEP_S, Traces},
     sensors::{Instrument, linear_at},
 };
 use aurt_traits::Motion;
-
-use super::columns::Columns;
 
 /// Every how many samples of the traces one is used.
 const THINNING: usize = 10;
@@ -66,7 +64,7 @@ impl Samples {
 
 #[derive(Debug)]
 pub(crate) struct NoiseFreeFit {
-    columns: Arc<Columns>,
+    columns: Arc<StructureColumns>,
     coefficients: Vec<f64>,
     noise_nm: Vec<f64>,
     /// Speed at or below which a joint rests: its instants are neither fitted nor counted; `None` fits all and counts those
@@ -79,7 +77,7 @@ impl NoiseFreeFit {
     /// them, `rest_rad_s` says what is rest.
     pub fn new(
         robot: &Robot,
-        columns: &Arc<Columns>,
+        columns: &Arc<StructureColumns>,
         recordings: &[Samples],
         rest_rad_s: Option<f64>,
     ) -> Self {
@@ -111,12 +109,7 @@ impl NoiseFreeFit {
         rows.iter()
             .enumerate()
             .map(|(j, row)| {
-                let mut left = samples.measured_nm[j].clone();
-                for (k, column) in self.columns.row(j).iter().zip(row) {
-                    for (l, y) in left.iter_mut().zip(column) {
-                        *l -= self.coefficients[*k] * y;
-                    }
-                }
+                let left = self.columns.left_over(j, row, &samples.measured_nm[j], &self.coefficients);
                 let velocity = samples.motion.view().velocity_rad_s(j);
                 let moving =
                     left.iter().zip(velocity).filter(|(_, v)| v.abs() > self.rest_rad_s.unwrap_or(0.0));

@@ -2,10 +2,9 @@ use std::sync::Arc;
 
 use aurt_recording::{PreprocessOptions, Preprocessed, Recording, RecordingError, Segment, preprocess};
 
-use super::columns::Columns;
 use aurt_simulation::{
     SimulationError,
-    inject::{Gram, Structure, mean_square},
+    inject::{Gram, Structure, StructureColumns, mean_square},
     robots::Robot,
     sensors::SimulatedRecording,
 };
@@ -13,7 +12,7 @@ use aurt_simulation::{
 /// A structure fitted to recordings after the usual preprocessing (filtered, differentiated, decimated).
 #[derive(Debug)]
 pub struct ProcessedFit {
-    columns: Arc<Columns>,
+    columns: Arc<StructureColumns>,
     coefficients: Vec<f64>,
     weights: Vec<f64>,
 }
@@ -48,11 +47,11 @@ impl ProcessedFit {
         structure: &Structure,
         recordings: &[&Preprocessed],
     ) -> Result<Self, SimulationError> {
-        Self::of_columns(Arc::new(Columns::new(robot, structure)?), recordings)
+        Self::of_columns(Arc::new(StructureColumns::of_robot(robot, structure)?), recordings)
     }
 
     pub(crate) fn of_columns(
-        columns: Arc<Columns>,
+        columns: Arc<StructureColumns>,
         recordings: &[&Preprocessed],
     ) -> Result<Self, SimulationError> {
         let joints = columns.joints();
@@ -109,13 +108,8 @@ impl ProcessedFit {
     }
 
     fn left_over(&self, filtered: &Filtered, joint: usize) -> Vec<f64> {
-        let mut left = filtered.measured[joint].clone();
-        for (k, column) in self.columns.row(joint).iter().zip(&filtered.rows[joint]) {
-            for (l, y) in left.iter_mut().zip(column) {
-                *l -= self.coefficients[*k] * y;
-            }
-        }
-        left
+        let (entries, measured) = (&filtered.rows[joint], &filtered.measured[joint]);
+        self.columns.left_over(joint, entries, measured, &self.coefficients)
     }
 }
 

@@ -10,6 +10,7 @@
 
 mod applied;
 mod bodies;
+mod columns;
 mod describe;
 mod drawing;
 mod figures;
@@ -29,6 +30,7 @@ mod smoothed;
 mod split;
 
 pub use applied::applied;
+pub use columns::StructureColumns;
 pub use describe::SizeName;
 pub use gram::{Gram, mean_square};
 pub use injection::{Injection, Recorded};

@@ -9,13 +9,13 @@ use super::super::layout::{Role, Slot};
 use super::super::truth::TrueEffect;
 use crate::{
     effects::{Lacks, PRESLIDING_RAD, Undeclared, kind},
-    fit::{Columns, NoiseFreeFit, Samples, without_absorbed_rotors},
+    fit::{NoiseFreeFit, Samples, without_absorbed_rotors},
     strength::Strength,
 };
 use aurt_simulation::{
     Random, SimulationError,
     effects::{BristleModel, Effect, Factor},
-    inject::Structure,
+    inject::{Structure, StructureColumns},
     robots::Robot,
 };
 
@@ -42,7 +42,7 @@ pub(in crate::case) fn neglect(
     let wanted: Vec<f64> = robot.drives.iter().map(|_| random.between_logs(LEVEL.0, LEVEL.1)).collect();
     let mut undeclared = drawn(robot, &wanted, shortest_s, random);
     let structure = without_absorbed_rotors(Structure::of(robot), robot)?;
-    let columns = Arc::new(Columns::new(robot, &structure)?);
+    let columns = Arc::new(StructureColumns::of_robot(robot, &structure)?);
     for correction in 0..=CORRECTIONS {
         stay_soft(&mut undeclared, &least_rad);
         laboratory.undeclared = Some(undeclared.clone());
@@ -145,7 +145,7 @@ fn drawn(robot: &Robot, wanted: &[f64], shortest_s: f64, random: &mut Random) ->
 fn levels(
     laboratory: &Laboratory,
     robot: &Robot,
-    columns: &Arc<Columns>,
+    columns: &Arc<StructureColumns>,
     calibration: &[&Slot],
 ) -> Result<Vec<f64>, SimulationError> {
     let samples = calibration
