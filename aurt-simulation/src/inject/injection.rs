@@ -1,12 +1,12 @@
 use aurt_recording::{Preprocessed, Recording};
 
-use super::figures::JointFigures;
 use super::gram::mean_square;
 use super::own_model::{OwnModel, Rows};
 use super::real::RealExperiment;
 use super::scene::Scene;
 use super::smoothed::Smoothed;
 use crate::error::SimulationError;
+use crate::random::Random;
 
 /// A real experiment that effects can be added to.
 #[derive(Debug, Clone)]
@@ -105,6 +105,31 @@ impl Injection {
             }
         }
         Ok(rows)
+    }
+}
+
+/// A joint's figures over all recordings, from which effects are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct JointFigures {
+    /// Root mean square of q̇, rad/s.
+    pub velocity_rad_s: f64,
+    /// Smallest and largest q, rad.
+    pub range_rad: [f64; 2],
+    /// Largest measurement.
+    pub peak: f64,
+    /// Root mean square of the rigid bodies' torque.
+    pub load: f64,
+    /// Mean of the joint's own inertia, as fitted, kg m².
+    pub inertia: f64,
+}
+
+impl JointFigures {
+    pub fn width_rad(&self) -> f64 {
+        self.range_rad[1] - self.range_rad[0]
+    }
+
+    pub fn inside_rad(&self, random: &mut Random) -> f64 {
+        self.range_rad[0] + self.width_rad() * random.unit()
     }
 }
 

@@ -13,7 +13,6 @@ mod bodies;
 mod columns;
 mod describe;
 mod drawing;
-mod figures;
 mod friction;
 mod gram;
 mod injection;
