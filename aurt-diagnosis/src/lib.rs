@@ -23,7 +23,7 @@
 //! | [`discrimination`] | the motion that decides what is left open |
 //! | [`mod@improvement`] | the experiment with what was found |
 
-#![expect(missing_docs, reason = "only AURT's own crates import it; names that say all need no sentence")]
+#![expect(missing_docs, reason = "names that say all need no sentence")]
 
 pub mod contact;
 pub mod discrimination;

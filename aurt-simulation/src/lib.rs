@@ -1,6 +1,6 @@
 //! Recordings of simulated robot manipulators with known, concealable physics.
 
-#![expect(missing_docs, reason = "only AURT's own crates import it; names that say all need no sentence")]
+#![expect(missing_docs, reason = "names that say all need no sentence")]
 
 pub mod effects;
 pub mod error;

@@ -43,7 +43,7 @@ impl StructureColumns {
     /// The columns for a simulated robot's geometry, gravity and bodies.
     ///
     /// # Errors
-    /// What the rigid bodies report.
+    /// Errors of the rigid bodies.
     pub fn of_robot(robot: &Robot, structure: &Structure) -> Result<Self, SimulationError> {
         let columns = Self::new(Arc::new(robot.chain()?), structure.clone())?;
         Ok(Self { standard: robot.standard_parameters(), ..columns })
@@ -72,9 +72,9 @@ impl StructureColumns {
         &self.standard
     }
 
-    /// Takes the load from coefficients: base parameters in the places of the standard ones that they are named after,
+    /// Sets the standard inertial parameters from coefficients: base parameters in the places of the standard ones that they are named after,
     /// nothing elsewhere.
-    pub(super) fn load(&mut self, coefficients: &[f64]) {
+    pub(super) fn set_load(&mut self, coefficients: &[f64]) {
         self.standard.fill(0.0);
         for (column, value) in self.base.columns.iter().zip(coefficients) {
             self.standard[*column] = *value;
@@ -137,7 +137,7 @@ impl StructureColumns {
             .collect()
     }
 
-    /// What coefficients leave of a joint's measurement; `entries` are those of its row.
+    /// Residual of a joint's measurement; `entries` are those of the joint's row.
     #[must_use]
     pub fn left_over(
         &self,

@@ -136,7 +136,7 @@ impl OwnModel {
         gram.solve()
     }
 
-    /// What coefficients leave of a joint's measurement.
+    /// Residual of a joint's measurement.
     #[must_use]
     pub fn left_over(&self, rows: &Rows, measured: &[f64], joint: usize, coefficients: &[f64]) -> Vec<f64> {
         self.columns.left_over(joint, &rows.columns[joint], measured, coefficients)
@@ -144,7 +144,7 @@ impl OwnModel {
 
     /// Rigid bodies and friction from the coefficients.
     fn take_apart(&mut self) {
-        self.columns.load(&self.coefficients);
+        self.columns.set_load(&self.coefficients);
         for j in 0..self.columns.joints() {
             [self.coulomb[j], self.viscous[j]] = self.columns.friction(j, &self.coefficients);
         }

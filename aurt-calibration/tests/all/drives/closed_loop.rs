@@ -273,7 +273,7 @@ fn what_is_given_widens_what_is_estimated() {
     // All torques but those of the rotors are in proportion to the masses, that of both links together.
     assert!(exact < 2e-3 && unstated > 0.005 && unstated < 0.02, "{exact} {unstated}");
     assert!((stated / unstated / 2.5 - 1.0).abs() < 0.1, "{stated} {unstated}");
-    // That of a limit that is none says nothing; of one joint, it leaves the others theirs.
+    // A deviation stated for no limit changes nothing; one of a single joint leaves the other joints the usual one.
     let beside = |key: &str, deviation_of: f64| deviation(vec![(key.to_owned(), deviation_of)]);
     assert_eq!(beside("speed_limit_rad_s", 2.0), unstated);
     let one = beside("mass_scale_1", 1e-9);
