@@ -19,6 +19,7 @@ mod declare;
 
 pub mod conformance;
 pub mod drives;
+mod known_bodies;
 mod path_step;
 mod shape;
 mod stribeck_curve;

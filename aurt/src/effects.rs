@@ -240,6 +240,11 @@ effects! {
         /// Share of the rows.
         share: Estimate,
     }
+    /// An encoder with another zero.
+    EncoderOffset = "encoder_offset" {
+        /// What the encoder shows too much, rad.
+        offset_rad: Vec<Estimate>,
+    }
     /// A force from outside during a window of time; the [finding](Named::finding) has the window.
     ExternalContact = "external_contact" {
         /// The link that is touched, as far as the joints can tell.

@@ -9,7 +9,7 @@ automod::dir!(pub "src/effects");
 use crate::vocabulary::Effect;
 
 /// All effects, by family and identifier.
-pub static ALL: [&Effect; 25] = [
+pub static ALL: [&Effect; 26] = [
     &coulomb::EFFECT,
     &coulomb_asymmetry::EFFECT,
     &friction_level_changed::EFFECT,
@@ -29,6 +29,7 @@ pub static ALL: [&Effect; 25] = [
     &spring::EFFECT,
     &torque_ripple::EFFECT,
     &current_offset::EFFECT,
+    &encoder_offset::EFFECT,
     &saturation::EFFECT,
     &time_delay::EFFECT,
     &torque_constant::EFFECT,

@@ -1,6 +1,6 @@
 //! Laws that are made of the model's own coefficients, evaluated anew with those of the final model.
 //!
-//! Load-dependent friction, a tilted base and a gain error multiply a torque that the model predicts. Their columns are
+//! Load-dependent friction, a tilted base, an encoder's offset and a gain error multiply a torque that the model predicts. Their columns are
 //! of the model in question, whose coefficients take up part of what it lacks: a drive that loses a fifth of its load
 //! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
 //! both are right; a few rounds of evaluation and least squares settle them.
@@ -70,7 +70,7 @@ impl Parts<'_> {
         for round in 0..ROUNDS {
             let own = selected.fitted.own(self.own, self.base);
             for law in &laws {
-                settle_inertia(&mut self.candidates[*law], &own);
+                settle_law(&mut self.candidates[*law], &own, &selected.fitted);
             }
             let law = self.final_model(&laws)?;
             let evaluated = self.evaluate_final(baseline, &law, &own, selected)?;
@@ -258,10 +258,16 @@ impl Renewed {
     }
 }
 
-/// Gives the term of a tilted base the inertial parameters of the final fit.
-fn settle_inertia(candidate: &mut Candidate, own: &[f64]) {
+/// Gives a term around known bodies the inertial parameters of the final fit, and the offsets around which it is linear.
+fn settle_law(candidate: &mut Candidate, own: &[f64], fitted: &Fitted) {
     let Addition::Term(configuration) = &mut candidate.proposal.addition else { return };
-    let Some(values) = configuration.get_mut("inertial_values") else { return };
-    let count = values.as_array().map_or(0, Vec::len);
-    *values = json!(own[..count]);
+    if let Some(values) = configuration.get_mut("inertial_values") {
+        let count = values.as_array().map_or(0, Vec::len);
+        *values = json!(own[..count]);
+    }
+    if let Some(around) = configuration.get_mut("around_rad") {
+        let place = |column: usize| fitted.place(column, true).or_else(|| fitted.place(column, false));
+        let value = |column: &usize| place(*column).map_or(0.0, |k| fitted.fit.coefficients[k]);
+        *around = candidate.columns.iter().map(value).collect();
+    }
 }

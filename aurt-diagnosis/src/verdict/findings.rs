@@ -7,7 +7,7 @@ use crate::effects::{self, time_delay};
 use crate::hypotheses::candidates::Candidate;
 use crate::investigation::{Fitted, Indicated, Investigation, concerned};
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
-use crate::recordings::rows::Role;
+use crate::recordings::rows::{RecordingRows, Role};
 use crate::request::Question;
 use crate::search::selection::{Chosen, Rival};
 use crate::verdict::confidence::confidence;
@@ -118,13 +118,15 @@ fn finding(
     let effect = group.effect;
     let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
     let columns = possible(investigation, fitted, candidate, group.target_only());
-    let own = OwnFriction::of(question.model, candidate.proposal.joints[0], &own);
-    let parameters = effect.estimated(&candidate.proposal, &columns, &own);
+    let friction = OwnFriction::of(question.model, candidate.proposal.joints[0], &own);
+    let parameters = effect.estimated(&candidate.proposal, &columns, &friction);
     let joints = match (effect.is_whole_arm, effect.concerns_all_joints) {
         (true, false) => concerned(one),
         _ => group.joints.clone(),
     };
-    let alternatives = alternatives(investigation, one, fitted);
+    let mut alternatives = alternatives(investigation, one, fitted);
+    alternatives.extend(same_under_load(question, investigation, one, &own));
+    alternatives.truncate(ALTERNATIVES);
     let confidence = confidence(one.score, !alternatives.is_empty());
     Some(Finding {
         present_in: present_in(question, investigation, group.target_only()),
@@ -309,6 +311,36 @@ fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) ->
         }
     };
     open_rivals(investigation, one, fitted).into_iter().map(alternative).collect()
+}
+
+/// The effect that the claim's recordings cannot tell from it, as its joint is loaded in them.
+fn same_under_load(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    one: &Chosen,
+    own: &[f64],
+) -> Option<Alternative> {
+    let group = &investigation.groups[one.group];
+    let [joint] = group.joints[..] else { return None };
+    let is_load = question.model.is_load();
+    let acts = |rows: &&RecordingRows| !group.target_only() || rows.role != Role::Calibration;
+    let mut load_nm = Vec::new();
+    for rows in investigation.rows.iter().filter(acts).map(|rows| &rows.joints[joint]) {
+        let mut load = vec![0.0; rows.measurement.len()];
+        for (k, column) in investigation.layout.rows[joint].iter().enumerate() {
+            if is_load.get(*column) == Some(&true) {
+                load.iter_mut().zip(rows.column(k)).for_each(|(sum, x)| *sum += own[*column] * x);
+            }
+        }
+        load_nm.extend(load.into_iter().zip(&rows.counts).filter(|(_, counts)| **counts).map(|(l, _)| l));
+    }
+    let other = (group.effect.same_under)(&load_nm).filter(|other| question.considers(other))?;
+    Some(Alternative {
+        effect: other.id.to_owned(),
+        joints: vec![joint],
+        score: one.score,
+        record: other.decider.to_owned(),
+    })
 }
 
 #[cfg(test)]

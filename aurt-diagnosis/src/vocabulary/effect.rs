@@ -103,6 +103,8 @@ pub struct Effect {
     pub generalises: &'static [&'static Effect],
     /// Effects that are the same force in other coordinates; one of two declares it.
     pub same_force: &'static [&'static Effect],
+    /// The effect that is the same force in recordings in which these loads act on its joint, Nm.
+    pub same_under: fn(&[f64]) -> Option<&'static Effect>,
     /// Whether a coefficient of its proposals, counted from 0, is what the effect is named for. Without these, the others
     /// are another effect: a motor's inertia is no coupling *friction*, a constant no spring.
     pub is_essential: fn(usize) -> bool,
@@ -146,6 +148,7 @@ impl Effect {
         reads_residual: false,
         generalises: &[],
         same_force: &[],
+        same_under: |_| None,
         is_essential: |_| true,
         propose: |_| Vec::new(),
         estimate: None,

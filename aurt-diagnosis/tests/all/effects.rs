@@ -6,7 +6,7 @@ use aurt_diagnosis::effects;
 use aurt_diagnosis::vocabulary::Family;
 
 /// The vocabulary: identifiers and families.
-const VOCABULARY: [(&str, Family); 25] = [
+const VOCABULARY: [(&str, Family); 26] = [
     ("coulomb", Family::F),
     ("coulomb_asymmetry", Family::F),
     ("stribeck", Family::F),
@@ -27,6 +27,7 @@ const VOCABULARY: [(&str, Family); 25] = [
     ("backlash", Family::P),
     ("torque_constant", Family::D),
     ("current_offset", Family::D),
+    ("encoder_offset", Family::D),
     ("time_delay", Family::D),
     ("saturation", Family::D),
     ("joint_coupling_friction", Family::C),

@@ -42,15 +42,12 @@
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, RegressorTile, Result,
-    RigidBodyRegressor, register_model,
+    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::known_bodies::{KnownBodies, torque};
 use crate::shape::verdict;
-
-/// Indices of standard parameters are below this, whatever the robot: a thousand links.
-const MOST_STANDARD: usize = 10_000;
 
 /// A base that is not mounted as the model believes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -72,33 +69,8 @@ impl BaseTilt {
         Self { inertial_columns: base.columns.clone(), inertial_values, first_axis }
     }
 
-    /// Hands every entry Y_j,p(q; gravity) of the known bodies to `add`, as joint j, value π_p and the entry over
-    /// the samples.
-    fn holding_torque(
-        &self,
-        body: &dyn RigidBodyRegressor,
-        standard: usize,
-        at_rest: &Motion,
-        gravity: [f64; 3],
-        mut add: impl FnMut(usize, f64, &[f64]),
-    ) {
-        let (joints, samples) = (at_rest.joints(), at_rest.samples());
-        let mut wanted = Vec::new();
-        let mut destination = vec![RegressorTile::UNWANTED; joints * standard];
-        for joint in 0..joints {
-            for (index, value) in self.inertial_columns.iter().zip(&self.inertial_values) {
-                if body.loads(*index, joint) {
-                    destination[joint * standard + index] = wanted.len() as u32;
-                    wanted.push((joint, *value));
-                }
-            }
-        }
-        let mut data = vec![0.0; wanted.len() * samples];
-        let mut tile = RegressorTile::new(&destination, standard, samples, samples, &mut data);
-        body.with_gravity(gravity).evaluate(at_rest.view(), &mut tile);
-        for ((joint, value), column) in wanted.into_iter().zip(data.chunks_exact(samples)) {
-            add(joint, value, column);
-        }
+    fn bodies(&self) -> KnownBodies<'_> {
+        KnownBodies { model: "base_tilt", columns: &self.inertial_columns, values: &self.inertial_values }
     }
 }
 
@@ -139,31 +111,8 @@ impl ArmTerm for BaseTilt {
         true
     }
 
-    /// How many parameters the rigid bodies have, is not known before they are evaluated: joints that follow others add links.
     fn validate(&self, _robot_joints: usize) -> Result<(), Vec<ModelError>> {
-        let mut complaints = Vec::new();
-        if self.inertial_values.len() != self.inertial_columns.len() {
-            complaints.push(ModelError::count(
-                "inertial_values of `base_tilt` (one for each of inertial_columns)",
-                self.inertial_columns.len(),
-                self.inertial_values.len(),
-            ));
-        }
-        let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::parameter("base_tilt", parameter, reason));
-        };
-        for (k, index) in self.inertial_columns.iter().enumerate() {
-            if *index >= MOST_STANDARD {
-                complain("inertial_columns", format!("must lie below {MOST_STANDARD}, contain {index}"));
-            }
-            if self.inertial_columns[..k].contains(index) {
-                complain("inertial_columns", format!("must be distinct, contain {index} twice"));
-            }
-        }
-        if let Some(value) = self.inertial_values.iter().find(|v| !v.is_finite()) {
-            complain("inertial_values", format!("must be numbers, contain {value}"));
-        }
-        verdict(complaints)
+        verdict(self.bodies().complaints())
     }
 
     /// One variable, the number of the rigid body's standard parameters, which is asked for once per series.
@@ -176,17 +125,9 @@ impl ArmTerm for BaseTilt {
     }
 
     fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
-        let (motion, standard) = (series.motion, state[0] as usize);
+        let (motion, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
         let (joints, samples) = (motion.joints(), motion.samples());
         let per_joint = self.columns(joints).len();
-        if let Some(index) = self.inertial_columns.iter().find(|index| **index >= standard) {
-            return Err(ModelError::evaluation(
-                "base_tilt",
-                format!(
-                    "`inertial_columns` contain {index}, but the rigid body has {standard} inertial parameters"
-                ),
-            ));
-        }
         for column in 0..out.columns() {
             out.column_mut(column).fill(0.0);
         }
@@ -196,17 +137,10 @@ impl ArmTerm for BaseTilt {
             let at_rest = Motion::new(joints, motion.time_s().to_vec(), position, rest.clone(), rest)?;
             let [x, y, z] = series.rigid_body.gravity_m_s2();
             for (column, gravity) in [[0.0, z, -y], [-z, 0.0, x]].into_iter().enumerate() {
-                self.holding_torque(
-                    series.rigid_body,
-                    standard,
-                    &at_rest,
-                    gravity,
-                    |joint, value, entries| {
-                        for (o, y) in out.column_mut(joint * per_joint + column).iter_mut().zip(entries) {
-                            *o += value * y;
-                        }
-                    },
-                );
+                let holding = torque(&*series.rigid_body.with_gravity(gravity), at_rest.view(), &standard);
+                for (joint, values) in holding.chunks_exact(samples).enumerate() {
+                    out.column_mut(joint * per_joint + column).copy_from_slice(values);
+                }
             }
         }
         if self.first_axis {

@@ -8,6 +8,7 @@ use aurt_friction::{
         counterbalance::Counterbalance,
         coupling::Coupling,
         drive_efficiency::DriveEfficiency,
+        encoder_offset::EncoderOffset,
         joint_selection::JointSelection,
         lugre_damped::LuGreDamped,
         payload::{Inertial, Payload},
@@ -17,7 +18,7 @@ use aurt_friction::{
     conformance::{arm::evaluate, recording::Recording},
     hysteresis::lugre::LuGre,
 };
-use aurt_traits::{ArmTerm, BaseParameters, ModelError, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{ArmTerm, BaseParameters, ModelError, Motion, RegressorTile, RigidBodyRegressor};
 use planar_arm::PlanarArm;
 
 const JOINTS: usize = 3;
@@ -153,6 +154,47 @@ fn a_tilt_is_the_derivative_with_respect_to_the_mounting() {
         assert_close(columns[2][n], recording.joint(0).position_rad[n].sin(), 1e-15, "sin q0");
         assert_eq!(columns[4 + 2][n], 0.0);
     }
+}
+
+#[test]
+fn an_encoder_offset_is_the_torque_at_the_real_angle() {
+    let body = PlanarArm::new(JOINTS);
+    let shown = Recording::random(7, JOINTS, SAMPLES);
+    let standard = some_parameters();
+    let term = |around_rad: &[f64]| EncoderOffset {
+        joints: JointSelection::of(vec![1, 2]),
+        around_rad: around_rad.to_vec(),
+        inertial_columns: (0..standard.len()).collect(),
+        inertial_values: standard.clone(),
+    };
+    let expected = torque(&body, &shown, &standard);
+    let trials = [(0, 1, 1e-4, 0.0), (1, 2, 1e-4, 0.0), (0, 1, 0.3, 0.3), (1, 2, -0.3, -0.3)];
+    for (k, joint, offset, around) in trials {
+        let columns = evaluate(&term(&[around; 2]), &body, &shown, &[]).unwrap();
+        let motion = shown.motion();
+        let view = motion.view();
+        let of = |series: &dyn Fn(usize) -> Vec<f64>| (0..JOINTS).flat_map(series).collect::<Vec<f64>>();
+        let by = |j: usize| if j == joint { offset } else { 0.0 };
+        let position = of(&|j| view.position_rad(j).iter().map(|q| q - by(j)).collect());
+        let velocity = of(&|j| view.velocity_rad_s(j).to_vec());
+        let acceleration = of(&|j| view.acceleration_rad_s2(j).to_vec());
+        let real = Motion::new(JOINTS, view.time_s().to_vec(), position, velocity, acceleration).unwrap();
+        let mut found = vec![0.0; JOINTS * SAMPLES];
+        body.torque(real.view(), &standard, &mut found, SAMPLES);
+        for i in 0..JOINTS * SAMPLES {
+            let column = &columns[(i / SAMPLES) * 2 + k];
+            assert_close(
+                column[i % SAMPLES],
+                (found[i] - expected[i]) / offset,
+                if around == 0.0 { 2e-3 } else { 1e-12 },
+                "offset",
+            );
+        }
+        assert!(columns[2 + k].iter().any(|x| x.abs() > 1.0));
+    }
+    assert_eq!(term(&[0.1]).validate(JOINTS).unwrap_err().len(), 1);
+    let unknown = evaluate(&EncoderOffset::default(), &body, &shown, &[]).unwrap();
+    assert!(unknown.iter().flatten().all(|x| *x == 0.0) && unknown.len() == JOINTS * JOINTS);
 }
 
 #[test]

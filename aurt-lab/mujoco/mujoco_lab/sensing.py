@@ -14,6 +14,7 @@ class Instrument:
     gain_error: np.ndarray
     offset_nm: np.ndarray
     limit_nm: np.ndarray
+    encoder_offset_rad: np.ndarray
     delay_s: float = 0.0
     missing: float = 0.0
     repeated: float = 0.0
@@ -22,7 +23,7 @@ class Instrument:
     @staticmethod
     def of(robot):
         n = robot.joints
-        return Instrument(np.zeros(n), np.zeros(n), np.full(n, np.inf))
+        return Instrument(np.zeros(n), np.zeros(n), np.full(n, np.inf), np.zeros(n))
 
     def shown(self, time_s, torque_nm, at_s):
         """What the sensors show of a torque if they have no noise: later by the delay, gain, offset, limit."""
@@ -37,7 +38,7 @@ class Instrument:
 def log(robot, instrument, trace, settings, random):
     """Time, angles and measured torques in Nm with noise, row by row as they are written."""
     t = np.arange(int(trace.time_s[-1] * settings["rate_hz"] + 1e-6) + 1) / settings["rate_hz"]
-    q = _smooth(trace, t) + robot.encoder_noise_rad * random.standard_normal((len(t), robot.joints))
+    q = _smooth(trace, t) + instrument.encoder_offset_rad + robot.encoder_noise_rad * random.standard_normal((len(t), robot.joints))
     u = instrument.shown(trace.time_s, trace.torque_nm, t)
     # Noise is that of the current, before the converter's limit.
     u = instrument.limited(u + robot.torque_noise_nm * random.standard_normal(u.shape))
@@ -85,6 +86,25 @@ class CurrentOffset(Effect):
 
     def parameters(self):
         return [("offset", each(self, self.size * self.unit))]
+
+
+class EncoderOffset(Effect):
+    """The zero of an encoder that was lost after the calibration; of joints whose torque depends on it."""
+
+    identifier, family, presence, takes = "encoder_offset", "D", "later", "one"
+
+    @classmethod
+    def suits(cls, robot, joint):
+        return 0 < joint < robot.joints - 1
+
+    def draw(self, random):
+        self.unit, self.high = np.full(len(self.joints), random.choice([-0.01, 0.01])), 20.0
+
+    def sense(self, instrument):
+        instrument.encoder_offset_rad[self.joints] += self.size * self.unit
+
+    def parameters(self):
+        return [("offset_rad", each(self, self.size * self.unit))]
 
 
 class TorqueConstant(Effect):
@@ -148,4 +168,4 @@ class DroppedSamples(Effect):
         return [("share", [float(self.size[0]) * self.unit])]
 
 
-EFFECTS = [CurrentOffset, TorqueConstant, TimeDelay, Saturation, DroppedSamples]
+EFFECTS = [CurrentOffset, EncoderOffset, TorqueConstant, TimeDelay, Saturation, DroppedSamples]

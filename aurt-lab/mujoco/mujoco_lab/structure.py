@@ -80,7 +80,7 @@ class NoiseFree:
         if window_s is not None:
             kept = kept[(t[kept] >= window_s[0]) & (t[kept] <= window_s[1])]
         v = trace.v_rad_s[kept]
-        self.columns = structure.columns(trace.q_rad[kept], v, trace.a_rad_s2[kept])
+        self.columns = structure.columns(trace.q_rad[kept] + instrument.encoder_offset_rad, v, trace.a_rad_s2[kept])
         self.torque = instrument.shown(t, trace.torque_nm, t[kept])
         self.used = np.abs(v) > AT_REST_RAD_S
         self.noise = structure.robot.torque_noise_nm

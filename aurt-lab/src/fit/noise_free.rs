@@ -54,7 +54,12 @@ impl Samples {
         let motion = Motion::new(
             n,
             kept.iter().map(|k| traces.time_s(*k)).collect(),
-            series(&traces.position_rad),
+            (0..n)
+                .flat_map(|j| {
+                    let offset = instrument.channels[j].encoder_offset_rad;
+                    kept.iter().map(move |k| traces.position_rad[k * n + j] + offset)
+                })
+                .collect(),
             series(&traces.velocity_rad_s),
             series(&traces.acceleration_rad_s2),
         )?;

@@ -13,6 +13,7 @@ mod current_offset;
 mod drive_efficiency;
 mod dropped_samples;
 mod effect;
+mod encoder_offset;
 mod external_contact;
 mod friction_level_changed;
 mod joint_coupling_friction;
@@ -72,6 +73,7 @@ effects! {
     current_offset::CurrentOffset,
     drive_efficiency::DriveEfficiency,
     dropped_samples::DroppedSamples,
+    encoder_offset::EncoderOffset,
     external_contact::ExternalContact,
     friction_level_changed::FrictionLevelChanged,
     joint_coupling_friction::JointCouplingFriction,

@@ -20,6 +20,7 @@ impl Added {
             Law::RotorInertia
             | Law::Payload { .. }
             | Law::BaseTilt { .. }
+            | Law::EncoderOffset
             | Law::Spring { .. }
             | Law::TorqueRipple { .. }
             | Law::JointElasticity { .. } => bodies::torque(self, scene),

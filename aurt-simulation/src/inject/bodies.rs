@@ -34,6 +34,14 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, Simu
                 }
             }
         }
+        Law::EncoderOffset => {
+            torques = scene.torque_at(j, -added.signed())?;
+            for (series, shown) in torques.iter_mut().zip(&scene.load) {
+                for (t, u) in series.iter_mut().zip(shown) {
+                    *t -= u;
+                }
+            }
+        }
         Law::Spring { rest_rad } => {
             torques[j] =
                 scene.motion.position_rad[j].iter().map(|q| added.signed() * (q - rest_rad)).collect();

@@ -41,6 +41,7 @@ impl Added {
             Law::RotorInertia => ("rotor inertia", if nm { "kg m²" } else { "A s²/rad" }),
             Law::Payload { .. } => ("mass", "kg"),
             Law::BaseTilt { .. } => ("tilt", "°"),
+            Law::EncoderOffset => ("offset of the encoder", "mrad"),
             Law::Spring { .. } => ("stiffness", if nm { "Nm/rad" } else { "A/rad" }),
             Law::TorqueRipple { .. } => ("amplitude", torque),
             Law::JointElasticity { .. } => ("compliance", "mrad/Nm"),
@@ -63,7 +64,7 @@ impl Added {
         match self.size_name(MeasurementUnit::NewtonMetre).unit {
             "%" => 100.0 * self.size,
             "°" => self.size.to_degrees(),
-            "ms" | "mrad/Nm" => 1e3 * self.size,
+            "ms" | "mrad" | "mrad/Nm" => 1e3 * self.size,
             _ => self.size,
         }
     }
@@ -96,6 +97,7 @@ impl Added {
             Law::BaseTilt { .. } => bodies::tilt(self)
                 .map(|t| vec![("roll_rad", t.roll_rad), ("pitch_rad", t.pitch_rad)])
                 .unwrap_or_default(),
+            Law::EncoderOffset => vec![("offset_rad", signed)],
             Law::Spring { rest_rad } => vec![("stiffness_nm_rad", signed), ("rest_rad", *rest_rad)],
             Law::TorqueRipple { order, .. } => vec![("order", *order), ("amplitude_nm", self.size)],
             Law::JointElasticity { .. } => vec![("stiffness_nm_rad", 1.0 / self.size.max(1e-12))],

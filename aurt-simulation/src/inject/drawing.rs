@@ -92,6 +92,7 @@ impl Injection {
             "base_tilt" => {
                 (Law::BaseTilt { direction_rad: random.between(0.0, std::f64::consts::TAU) }, 0.03)
             }
+            "encoder_offset" => (Law::EncoderOffset, 0.02),
             "spring" => (Law::Spring { rest_rad: figures.inside_rad(random) }, left),
             "torque_ripple" => {
                 // At least one and a half waves over the joint's range, and in the pass band while it moves.
@@ -144,6 +145,7 @@ impl Injection {
                 | Law::ViscousNonlinear { .. }
                 | Law::TorqueConstant
                 | Law::CurrentOffset
+                | Law::EncoderOffset
                 | Law::FrictionLevelChanged { .. }
         );
         let sign = if either { random.sign() } else { 1.0 };
@@ -170,6 +172,7 @@ impl Injection {
             Law::JointElasticity { .. } => self.compliance(added.joint, 1.5),
             Law::LoadDependentFriction | Law::DriveEfficiency { .. } | Law::TorqueConstant => 0.6,
             Law::BaseTilt { .. } => 0.6,
+            Law::EncoderOffset => 0.2,
             Law::TimeDelay => 0.1,
             Law::Saturation { .. } => 0.9,
             Law::DroppedSamples { .. } => 0.2,

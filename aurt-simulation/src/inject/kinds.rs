@@ -21,7 +21,7 @@ pub struct Kind {
 }
 
 /// Effects of the vocabulary. Backlash is not among them: what it does is done to the motion.
-const KNOWN: [&str; 24] = [
+const KNOWN: [&str; 25] = [
     "coulomb",
     "coulomb_asymmetry",
     "stribeck",
@@ -37,6 +37,7 @@ const KNOWN: [&str; 24] = [
     "rotor_inertia",
     "payload",
     "base_tilt",
+    "encoder_offset",
     "spring",
     "torque_ripple",
     "joint_elasticity",
@@ -49,8 +50,14 @@ const KNOWN: [&str; 24] = [
 ];
 
 /// Those whose laws join torques of several joints.
-const OF_SEVERAL_JOINTS: [&str; 5] =
-    ["joint_coupling_friction", "payload", "base_tilt", "joint_elasticity", "external_contact"];
+const OF_SEVERAL_JOINTS: [&str; 6] = [
+    "joint_coupling_friction",
+    "payload",
+    "base_tilt",
+    "encoder_offset",
+    "joint_elasticity",
+    "external_contact",
+];
 
 /// Effects outside the vocabulary.
 const UNKNOWN: [(&str, Family); 4] = [

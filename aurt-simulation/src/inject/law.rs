@@ -71,6 +71,8 @@ pub enum Law {
         /// atan2(pitch, roll).
         direction_rad: f64,
     },
+    /// A recorded angle that is too large by size.
+    EncoderOffset,
     /// size · (q − q₀).
     Spring {
         /// q₀, rad.
@@ -167,6 +169,7 @@ impl Added {
                 | Law::TimeDelay
                 | Law::Saturation { .. }
                 | Law::BaseTilt { .. }
+                | Law::EncoderOffset
                 | Law::JointElasticity { .. }
                 | Law::DroppedSamples { .. }
         )

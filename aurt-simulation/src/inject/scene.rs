@@ -72,6 +72,13 @@ impl Scene {
         Ok(torque(&*self.bodies, &moving(&self.motion)?, standard))
     }
 
+    /// Torque of the robot's bodies where a joint stands `by_rad` further.
+    pub(super) fn torque_at(&self, joint: usize, by_rad: f64) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let mut motion = self.motion.clone();
+        motion.position_rad[joint].iter_mut().for_each(|q| *q += by_rad);
+        Ok(torque(&*self.bodies, &moving(&motion)?, &self.standard))
+    }
+
     /// Torque of the robot's bodies under another gravity.
     pub(super) fn torque_under(&self, gravity_m_s2: [f64; 3]) -> Result<Vec<Vec<f64>>, SimulationError> {
         Ok(torque(&*self.bodies.with_gravity(gravity_m_s2), &moving(&self.motion)?, &self.standard))

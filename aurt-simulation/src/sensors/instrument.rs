@@ -13,6 +13,9 @@ pub struct Channel {
     pub encoder_resolution_rad: f64,
     /// Standard deviation of the encoder's white noise, rad.
     pub encoder_noise_rad: f64,
+    /// Constant that the measured angle has too much, rad.
+    #[serde(default)]
+    pub encoder_offset_rad: f64,
     /// Standard deviation of the white noise of the measured torque, Nm.
     pub torque_noise_nm: f64,
     /// Noise with memory of the measured torque, beside the white one.
@@ -53,6 +56,7 @@ impl Instrument {
             .map(|drive| Channel {
                 encoder_resolution_rad: drive.encoder_resolution_rad,
                 encoder_noise_rad: drive.encoder_noise_rad,
+                encoder_offset_rad: 0.0,
                 torque_noise_nm: drive.torque_noise_nm,
                 memory: NoiseMemory::default(),
                 ripple: DriveRipple::default(),
@@ -98,6 +102,7 @@ impl Instrument {
             let name = |what: &str| format!("{what} of joint {j}");
             complaints.not_negative(name("encoder resolution"), channel.encoder_resolution_rad);
             complaints.not_negative(name("encoder noise"), channel.encoder_noise_rad);
+            complaints.within(name("encoder offset"), channel.encoder_offset_rad, -7.0, 7.0);
             complaints.not_negative(name("torque noise"), channel.torque_noise_nm);
             complaints.not_negative(name("torque noise with memory"), channel.memory.deviation_nm);
             complaints

@@ -145,7 +145,7 @@ impl Logger {
             let before = row.clone();
             for (j, channel) in instrument.channels.iter().enumerate() {
                 let noise = channel.encoder_noise_rad * encoders.normal();
-                let angle = position_at(traces, time_s, j) + noise;
+                let angle = position_at(traces, time_s, j) + channel.encoder_offset_rad + noise;
                 let step = channel.encoder_resolution_rad;
                 row.position[j] = if step > 0.0 { (angle / step).round() * step } else { angle };
                 let velocity_noise = if channel.encoder_noise_rad > 0.0 {

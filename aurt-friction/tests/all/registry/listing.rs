@@ -40,6 +40,7 @@ fn the_models_that_experiments_rely_on_are_there() {
                 "coupling",
                 "current_offset",
                 "drive_efficiency",
+                "encoder_offset",
                 "lugre_damped",
                 "payload",
                 "rotor_inertia",

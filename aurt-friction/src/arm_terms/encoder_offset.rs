@@ -1,0 +1,158 @@
+//! `encoder_offset`: a joint's encoder whose zero is not that of the model.
+//!
+//! # Equation
+//! Where the joint stands at q, the recording has q + o e_j. With τ the torque of the rigid bodies, the one that acts is
+//! τ(q_recorded − o e_j) = τ(q_recorded) + o (τ(q_recorded − a e_j) − τ(q_recorded)) / a for o = a, and to first order for an o near a;
+//! for a = 0 the quotient is −∂τ/∂q_j. The error is (o² − o a)/2 of the holding torque: with a = 0, 5·10⁻⁵ of it at 0.01 rad,
+//! 5·10⁻³ at 0.1 rad.
+//!
+//! # Linear only around known bodies
+//! Angle times inertial parameter is no linear term. As in `base_tilt`, the inertial values are configuration: standard-parameter
+//! indices and values of a fit. Without them all columns are zero, and a calibration reports the offsets as not excited.
+//!
+//! # Parameters
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `joints` | – | joints whose encoders have an offset; all unless given |
+//! | `around_rad` | rad | a, one for each of the joints; zeros unless given |
+//! | `inertial_columns` | – | indices of standard inertial parameters, ten per link; empty unless given |
+//! | `inertial_values` | as those | their values |
+//!
+//! # Columns
+//! | name | unit | column |
+//! |---|---|---|
+//! | `encoder_offset_<j>` | rad | (τ(q − a e_j) − τ(q)) / a, on all joints |
+//!
+//! # Use when
+//! An encoder, a motor or a gear was exchanged, a belt or a spline has jumped a tooth, or a robot was mastered anew. On a joint
+//! that turns about the direction of gravity and carries all others (a vertical first axis) the torque does not depend on the zero.
+//!
+//! # Source
+//! Linearisation of the rigid-body torque in the position; for the practice, Khalil and Dombre (2002), *Modeling, Identification
+//! and Control of Robots*, on the calibration of joint zeros.
+//!
+//! # Invariants
+//! Even in load, continuous in velocity, memoryless. The term is a load.
+
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Motion, Parameter, Result, register_model};
+use serde::{Deserialize, Serialize};
+
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::known_bodies::{KnownBodies, torque};
+use crate::shape::verdict;
+
+/// Half the step of the central difference, rad: its error is h²/6 ≈ 2·10⁻⁷ of the torque, above the rounding of ε/h ≈ 2·10⁻¹³.
+const STEP_RAD: f64 = 1e-3;
+
+/// A joint's encoder whose zero is not that of the model.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EncoderOffset {
+    /// Joints whose encoders have an offset.
+    #[serde(skip_serializing_if = "JointSelection::is_all")]
+    pub joints: JointSelection,
+    /// The offsets for which the torque is exact, one for each joint; zeros where empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub around_rad: Vec<f64>,
+    /// Indices of the standard inertial parameters whose values are known.
+    pub inertial_columns: Vec<usize>,
+    /// Their values.
+    pub inertial_values: Vec<f64>,
+}
+
+impl EncoderOffset {
+    fn bodies(&self) -> KnownBodies<'_> {
+        KnownBodies {
+            model: "encoder_offset",
+            columns: &self.inertial_columns,
+            values: &self.inertial_values,
+        }
+    }
+}
+
+register_model! {
+    slot: ArmTerm,
+    name: "encoder_offset",
+    summary: "an encoder whose zero is not that of the model (small angle)",
+    equation: "τ = Σ_j encoder_offset_j (τ_RBD(q − a e_j) − τ_RBD(q)) / a, −∂τ_RBD/∂q_j for a = 0, τ_RBD of a fit",
+    use_when: "a joint's zero was lost after the calibration; hold the calibrated coefficients fixed",
+    source: "linearisation in the position; Khalil and Dombre (2002)",
+    example: r#"{ model = "encoder_offset", joints = [1], inertial_columns = [6, 9, 16, 19], inertial_values = [0.9, 3.0, 0.4, 2.0] }"#,
+}
+
+#[typetag::serde(name = "encoder_offset")]
+impl ArmTerm for EncoderOffset {
+    declares_term! {
+        "encoder_offset",
+        invariants: [EvenInLoad, ContinuousInVelocity, Memoryless]
+    }
+
+    fn joints(&self, robot_joints: usize) -> Vec<usize> {
+        (0..robot_joints).collect()
+    }
+
+    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
+        let name = |j: usize| Parameter::new(format!("encoder_offset_{j}"), "rad");
+        self.joints.resolve(robot_joints).into_iter().map(name).collect()
+    }
+
+    fn is_load(&self) -> bool {
+        true
+    }
+
+    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
+        let mut complaints = self.joints.complaints("encoder_offset", robot_joints);
+        complaints.extend(self.bodies().complaints());
+        let (joints, given) = (self.joints.resolve(robot_joints).len(), self.around_rad.len());
+        if given > 0 && given != joints {
+            complaints.push(ModelError::count("around_rad of `encoder_offset` (one a joint)", joints, given));
+        }
+        if let Some(value) = self.around_rad.iter().find(|v| !v.is_finite()) {
+            let reason = format!("must be numbers, contain {value}");
+            complaints.push(ModelError::parameter("encoder_offset", "around_rad", reason));
+        }
+        verdict(complaints)
+    }
+
+    /// One variable, the number of the rigid body's standard parameters, which is asked for once per series.
+    fn state_len(&self, _robot_joints: usize) -> usize {
+        1
+    }
+
+    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
+        vec![first.rigid_body.standard_parameters().len() as f64]
+    }
+
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
+        let (view, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
+        let (joints, samples) = (view.joints(), view.samples());
+        let own = self.joints.resolve(joints);
+        let all = |of: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> { (0..joints).flat_map(of).collect() };
+        let velocity = all(&|j| view.velocity_rad_s(j).to_vec());
+        let acceleration = all(&|j| view.acceleration_rad_s2(j).to_vec());
+        for (k, joint) in own.iter().enumerate() {
+            let moved = |by: f64| -> Result<Vec<f64>> {
+                let shift = |j: usize| if j == *joint { by } else { 0.0 };
+                let position = all(&|j| view.position_rad(j).iter().map(|q| q + shift(j)).collect());
+                let time = view.time_s().to_vec();
+                let motion = Motion::new(joints, time, position, velocity.clone(), acceleration.clone())?;
+                Ok(torque(series.rigid_body, motion.view(), &standard))
+            };
+            if samples == 0 || standard.iter().all(|value| *value == 0.0) {
+                (0..joints).for_each(|row| out.column_mut(row * own.len() + k).fill(0.0));
+                continue;
+            }
+            let around = self.around_rad.get(k).copied().unwrap_or(0.0);
+            let [from, to] = if around.abs() < STEP_RAD { [STEP_RAD, -STEP_RAD] } else { [0.0, -around] };
+            let (shown, real) = (moved(from)?, moved(to)?);
+            for row in 0..joints {
+                let place = row * samples..(row + 1) * samples;
+                let column = out.column_mut(row * own.len() + k);
+                for ((value, shown), real) in column.iter_mut().zip(&shown[place.clone()]).zip(&real[place]) {
+                    *value = (real - shown) / (from - to);
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,67 @@
+//! Rigid bodies whose inertial parameters are known: what terms linear in something else are made of.
+
+use aurt_traits::{ModelError, MotionView, Result, RigidBodyRegressor};
+
+/// Indices of standard parameters are below this, whatever the robot: a thousand links.
+const MOST_STANDARD: usize = 10_000;
+
+/// Standard inertial parameters by their indices; those that are not named are zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct KnownBodies<'a> {
+    pub model: &'static str,
+    pub columns: &'a [usize],
+    pub values: &'a [f64],
+}
+
+impl KnownBodies<'_> {
+    /// How many parameters the rigid bodies have, is not known before they are evaluated: joints that follow others add links.
+    pub fn complaints(self) -> Vec<ModelError> {
+        let Self { model, columns, values } = self;
+        let mut complaints = Vec::new();
+        if values.len() != columns.len() {
+            let what = format!("inertial_values of `{model}` (one for each of inertial_columns)");
+            complaints.push(ModelError::count(what, columns.len(), values.len()));
+        }
+        let mut complain = |parameter: &str, reason: String| {
+            complaints.push(ModelError::parameter(model, parameter, reason));
+        };
+        for (k, index) in columns.iter().enumerate() {
+            if *index >= MOST_STANDARD {
+                complain("inertial_columns", format!("must lie below {MOST_STANDARD}, contain {index}"));
+            }
+            if columns[..k].contains(index) {
+                complain("inertial_columns", format!("must be distinct, contain {index} twice"));
+            }
+        }
+        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+            complain("inertial_values", format!("must be numbers, contain {value}"));
+        }
+        complaints
+    }
+
+    /// All standard parameters of a rigid body that has `standard` of them.
+    ///
+    /// # Errors
+    /// [`ModelError::Evaluation`] for an index that the body does not have.
+    pub fn standard(self, standard: usize) -> Result<Vec<f64>> {
+        let mut all = vec![0.0; standard];
+        for (index, value) in self.columns.iter().zip(self.values) {
+            let Some(place) = all.get_mut(*index) else {
+                let reason = format!(
+                    "`inertial_columns` contain {index}, but the rigid body has {standard} inertial parameters"
+                );
+                return Err(ModelError::evaluation(self.model, reason));
+            };
+            *place = *value;
+        }
+        Ok(all)
+    }
+}
+
+/// τ of bodies with the given standard parameters, joint after joint, as many samples apart as there are.
+pub(crate) fn torque(body: &dyn RigidBodyRegressor, motion: MotionView<'_>, standard: &[f64]) -> Vec<f64> {
+    let samples = motion.samples();
+    let mut torque = vec![0.0; body.joints() * samples];
+    body.torque(motion, standard, &mut torque, samples);
+    torque
+}
