@@ -2,8 +2,7 @@
 //! of several resolutions and white noise of positions, one recording and five.
 //!
 //! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
-//! that of the seeds of each row; a second is the only number of recordings, and adds errors in
-//! variables and instrumental variables.
+//! that of the seeds of each row; a second is the only number of recordings.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
@@ -19,8 +18,7 @@ use rayon::prelude::*;
 const DURATION_S: f64 = 20.0;
 const RECORDINGS: usize = 5;
 
-/// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white,
-/// errors in variables, and instrumental variables.
+/// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, and the same with rows taken as white.
 type Counts = Vec<[usize; 4]>;
 
 fn main() {
@@ -31,15 +29,10 @@ fn main() {
         "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
     );
     let only: Option<usize> = std::env::args().nth(2).map(|text| text.parse().unwrap());
-    let of_others = if only.is_some() {
-        " eiv: all | rigid bodies | friction | iv: all | rigid bodies | friction |"
-    } else {
-        ""
-    };
     println!(
-        "| recordings | noise of the currents | positions | all | rigid bodies | friction | all, rows taken as white |{of_others}"
+        "| recordings | noise of the currents | positions | all | rigid bodies | friction | all, rows taken as white |"
     );
-    println!("|---|---|---|---|---|---|---|{}", if only.is_some() { "---|---|---|---|---|---|" } else { "" });
+    println!("|---|---|---|---|---|---|---|");
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
     let encoders = [
         ("exact", Positions::Exact),
@@ -61,7 +54,7 @@ fn main() {
     for (count, (noise_name, noise), (encoder, positions)) in rows {
         let found: Vec<Counts> = (1..=seeds)
             .into_par_iter()
-            .map(|seed| covered(&robot, &clean[..count], seed, noise, positions, only.is_some()))
+            .map(|seed| covered(&robot, &clean[..count], seed, noise, positions))
             .collect();
         let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
         let share = |k: usize, groups: &[usize]| {
@@ -69,38 +62,20 @@ fn main() {
                 groups.iter().fold((0.0, 0.0), |(h, a), g| (h + sum(k, 2 * g), a + sum(k, 2 * g + 1)));
             100.0 * held / all
         };
-        let mut shares = vec![share(0, &[0, 1]), share(0, &[0]), share(0, &[1]), share(1, &[0, 1])];
-        if only.is_some() {
-            for k in [2, 3] {
-                shares.extend([share(k, &[0, 1]), share(k, &[0]), share(k, &[1])]);
-            }
-        }
+        let shares = [share(0, &[0, 1]), share(0, &[0]), share(0, &[1]), share(1, &[0, 1])];
         let shares: String = shares.iter().map(|s| format!(" {s:.1} |")).collect();
         println!("| {count} | {noise_name} | {encoder} |{shares}");
     }
 }
 
-fn covered(
-    robot: &KnownRobot,
-    clean: &[Recording],
-    seed: u64,
-    noise: Noise,
-    positions: Positions,
-    with_others: bool,
-) -> Counts {
+fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, positions: Positions) -> Counts {
     let recordings: Vec<_> = clean
         .iter()
         .enumerate()
         .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, positions))
         .collect();
     let base = robot.model.base().len();
-    let estimates = [
-        (Estimator::Wls, Deviations::Memory),
-        (Estimator::Wls, Deviations::White),
-        (Estimator::Eiv, Deviations::Memory),
-        (Estimator::Iv, Deviations::Memory),
-    ];
-    let estimates = &estimates[..if with_others { 4 } else { 2 }];
+    let estimates = [(Estimator::Wls, Deviations::Memory), (Estimator::Wls, Deviations::White)];
     let of = |(estimator, deviations): &(Estimator, Deviations)| {
         let (estimator, deviations) = (*estimator, *deviations);
         let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };

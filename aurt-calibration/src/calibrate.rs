@@ -2,11 +2,11 @@ use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
     CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, Deviations, EssentialReport,
-    Estimate, Estimator, Fit, Hausman, JointFactor, JointRange, LoadTorqueChoice, NamedRecording,
-    PositionBias, System, TermScopes, accumulate_scoped,
+    Estimate, Estimator, Fit, JointFactor, JointRange, LoadTorqueChoice, NamedRecording, PositionBias,
+    System, TermScopes, accumulate_scoped,
     consistent::{Prior, make_consistent},
     deviations::Sandwich,
-    errors_in_positions::{Fitted, Looked, Shift, Tested, look},
+    errors_in_positions::{Fitted, Looked, Shift, look},
     essential::{Full, eliminate},
     estimate,
     excitation::warnings,
@@ -73,23 +73,6 @@ pub fn calibrate_scoped(
     finished(&setting, &system, estimate, &load, fitted_to)
 }
 
-/// The test of Durbin, Wu and Hausman for a calibration by weighted least squares on `recordings`, without the noise of the
-/// positions; `None` where no instrument differs from the regressor.
-///
-/// # Errors
-/// What models report, and [`CalibrationError::Recording`] if a segment is too short for the filter of the instruments.
-pub fn hausman(
-    model: &RobotModel,
-    recordings: &[&NamedRecording],
-    scopes: &TermScopes,
-    calibration: &Calibration,
-) -> Result<Option<Hausman>, CalibrationError> {
-    let Calibration { load, options, sigma, .. } = calibration;
-    let rows = Observed { model, recordings, scopes, load, options };
-    let coefficients = &calibration.coefficients();
-    Tested { rows, coefficients, weights: &weights(sigma) }.test(&Shift::default())
-}
-
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setting<'a> {
     pub model: &'a RobotModel,
@@ -129,23 +112,8 @@ pub(crate) fn finished(
         essential = Some(report);
     }
     let looked = position_noise(options, system, &estimate, rows, shift)?;
-    // (WᵀΩ⁻¹W)⁻¹ as the estimator has it, where that is not the covariance of white noise.
+    // (Σ_j E ψ′_j σ_j⁻² W_jᵀW_j)⁻¹ of weights by row, which is not the covariance of white noise.
     let mut bread = None;
-    if let Some((coefficients, inverse)) = looked.as_ref().and_then(|looked| looked.corrected.as_ref()) {
-        estimate.solution.coefficients.clone_from(coefficients);
-        estimate.solution.covariance.clone_from(inverse);
-        bread = Some(inverse.clone());
-    }
-    if options.estimator == Estimator::Iv {
-        let weights = weights(&estimate.sigma);
-        let coefficients = &estimate.solution.coefficients;
-        let tested = Tested { rows: needed("iv")?, coefficients, weights: &weights };
-        if let Some((coefficients, own)) = tested.instrumental()? {
-            estimate.solution.coefficients = coefficients;
-            estimate.solution.covariance.clone_from(&own);
-            bread = Some(own);
-        }
-    }
     let mut robust = None;
     if options.estimator == Estimator::Irls {
         let reweighted = reweight(&needed("irls")?, system, &estimate)?;
@@ -183,9 +151,7 @@ pub(crate) fn finished(
     }
     // Position noise is not a matter of excitation.
     let judged = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    // A bias that was corrected is no error.
-    let biased = looked.as_ref().filter(|looked| looked.corrected.is_none());
-    if let Some(looked) = biased {
+    if let Some(looked) = &looked {
         looked.shift.widen(&mut estimate.solution.covariance);
     }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
@@ -201,7 +167,7 @@ pub(crate) fn finished(
     let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(|report| report.warnings(robot)));
     warnings.extend(position_bias.iter().filter_map(|bias| bias.overwhelming(robot)));
-    warnings.extend(position_bias.iter().filter(|_| biased.is_some()).flat_map(PositionBias::warnings));
+    warnings.extend(position_bias.iter().flat_map(PositionBias::warnings));
     warnings.extend(robust.iter().flat_map(|report| report.warnings(robot)));
     let about_physics = physical::warnings(&physical::Fitted {
         model,
@@ -237,10 +203,6 @@ pub(crate) fn finished(
 
 /// What noise of the positions does, where there are rows to be looked at again; `shift` is known where shapes were searched, since
 /// coefficients are shifted otherwise with these to be found.
-///
-/// # Errors
-/// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
-/// report.
 fn position_noise(
     options: &CalibrationOptions,
     system: &System,
@@ -248,15 +210,9 @@ fn position_noise(
     rows: Option<Observed<'_>>,
     shift: Option<&Shift>,
 ) -> Result<Option<Looked>, CalibrationError> {
-    let is_used = options.estimator == Estimator::Eiv;
-    let Some(rows) = rows else {
-        return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
-    };
-    if !is_used && !options.tells_position_bias() {
-        return Ok(None);
-    }
+    let Some(rows) = rows.filter(|_| options.tells_position_bias()) else { return Ok(None) };
     let weights = fit_weights(options.estimator, estimate, system);
-    look(&Fitted { rows, system, weights: &weights, solution: &estimate.solution }, is_used, shift).map(Some)
+    look(&Fitted { rows, weights: &weights, solution: &estimate.solution }, shift).map(Some)
 }
 
 /// Coefficients that are set to zero since no motion tells them from others.
@@ -304,7 +260,6 @@ fn remember(
         weights: &weights,
         bread: &plain.covariance,
         row_weight: (options.estimator == Estimator::Irls).then_some(&by_row),
-        instruments: options.estimator == Estimator::Iv,
         lift: None,
     }
     .covariance()?;

@@ -46,12 +46,6 @@ pub enum CalibrationError {
          shows the unconstrained estimate"
     )]
     Inconsistent,
-    /// Noise of the positions cannot be told from the motion.
-    #[error(
-        "position noise makes up {percent:.0} % of the power of joint {joint}'s accelerations, and the rest determines no \
-         parameters; {remedy}, or use `estimator = \"wls\"`"
-    )]
-    NoisyPositions { joint: usize, percent: f64, remedy: String },
     /// Too little to hold something out.
     #[error(
         "`estimator = \"essential\"` holds out blocks of at least 2 s; the recordings give {found}, but {needed} are required; add \

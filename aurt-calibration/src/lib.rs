@@ -33,7 +33,7 @@ mod uncertainty;
 mod validation;
 mod variable_projection;
 
-pub use calibrate::{calibrate, calibrate_scoped, hausman};
+pub use calibrate::{calibrate, calibrate_scoped};
 pub use calibrated::Calibration;
 pub use consistent::{
     ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
@@ -41,7 +41,7 @@ pub use consistent::{
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
-pub use errors_in_positions::{FittedBandwidth, Hausman, JointPositionNoise, ParameterBias, PositionBias};
+pub use errors_in_positions::{FittedBandwidth, JointPositionNoise, ParameterBias, PositionBias};
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use gains::{Decided, Gain, Gains, GainsError, GainsOf, KnownLoad, decidable_gains, estimate_gains};

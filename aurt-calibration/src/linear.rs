@@ -28,14 +28,6 @@ pub(crate) fn singular_vectors(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, D
     is_finite(matrix).then(|| library::singular_vectors(matrix))?
 }
 
-pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    is_finite(matrix).then(|| library::symmetric_eigen(matrix))?
-}
-
-pub(crate) fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    library::inverse(matrix).filter(is_finite)
-}
-
 /// U⁻¹ B of an upper triangle U.
 pub(crate) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     library::solve_upper(upper, right).filter(is_finite)
@@ -64,7 +56,7 @@ mod by_faer {
         Accum, MatMut, MatRef, Par, Side,
         linalg::{
             matmul::triangular::{BlockStructure, matmul},
-            solvers::{DenseSolveCore, Llt, PartialPivLu, Solve},
+            solvers::{Llt, Solve},
         },
     };
     use nalgebra::{DMatrix, DVector};
@@ -95,10 +87,6 @@ mod by_faer {
             self.0.solve_in_place(MatMut::from_column_major_slice_mut(found.as_mut_slice(), n, 1));
             found
         }
-
-        pub(crate) fn inverse(&self) -> DMatrix<f64> {
-            taken(self.0.inverse().as_ref())
-        }
     }
 
     pub(super) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -120,16 +108,6 @@ mod by_faer {
         let svd = seen(matrix).thin_svd().ok()?;
         let values = svd.S().column_vector();
         Some((taken(svd.U()), DVector::from_iterator(values.nrows(), values.iter().copied()), taken(svd.V())))
-    }
-
-    pub(super) fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let eigen = seen(matrix).self_adjoint_eigen(Side::Lower).ok()?;
-        let values = eigen.S().column_vector();
-        Some((DVector::from_iterator(values.nrows(), values.iter().copied()), taken(eigen.U())))
-    }
-
-    pub(super) fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        Some(taken(PartialPivLu::new(seen(matrix)).inverse().as_ref()))
     }
 
     pub(super) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
@@ -154,10 +132,6 @@ mod by_nalgebra {
         pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
             self.0.solve(right)
         }
-
-        pub(crate) fn inverse(&self) -> DMatrix<f64> {
-            self.0.inverse()
-        }
     }
 
     pub(super) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -173,15 +147,6 @@ mod by_nalgebra {
     ) -> Option<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
         let svd = matrix.clone().svd(true, true);
         Some((svd.u?, svd.singular_values, svd.v_t?.transpose()))
-    }
-
-    pub(super) fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let eigen = matrix.clone().symmetric_eigen();
-        Some((eigen.eigenvalues, eigen.eigenvectors))
-    }
-
-    pub(super) fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        matrix.clone().try_inverse()
     }
 
     pub(super) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {

@@ -13,11 +13,6 @@ pub enum Estimator {
     Consistent,
     /// As [`Wls`](Self::Wls), with the fewest parameters that predict blocks held out as well as all of them.
     Essential,
-    /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables), to first order: for study;
-    /// docs/estimation.md has its coverage, which is worse for friction.
-    Eiv,
-    /// Instrumental variables, from the motion behind a lower filter: for study, as `Eiv`.
-    Iv,
     /// As [`Wls`](Self::Wls), with weights by row in which impacts count little or nothing.
     Irls,
 }

@@ -15,9 +15,6 @@
 
 mod autoregression;
 mod clusters;
-mod instruments;
 mod sandwich;
 
-pub(crate) use autoregression::Autocovariance;
-pub(crate) use instruments::put_instruments;
 pub(crate) use sandwich::{Lift, Sandwich, product, root_of_gram};

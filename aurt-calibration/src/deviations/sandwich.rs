@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use super::{
     autoregression::{Autocovariance, Autoregression},
     clusters::factors,
-    instruments::put_instruments,
 };
 use crate::{
     CalibrationError, JointFactor,
@@ -30,8 +29,6 @@ pub(crate) struct Sandwich<'a> {
     pub bread: &'a [f64],
     /// For estimates with weights by row.
     pub row_weight: Option<RowWeight<'a>>,
-    /// Whether residuals were multiplied by instruments rather than by the regressor.
-    pub instruments: bool,
     /// What was fitted, where that is not the coefficients themselves; `bread` is over this then.
     pub lift: Option<&'a Lift>,
 }
@@ -65,11 +62,6 @@ impl Sandwich<'_> {
         let n = coefficients.len();
         let pieces = observed.pieces();
         let mut rows = observed.rows(&pieces, coefficients)?;
-        if self.instruments {
-            for (piece, rows) in pieces.iter().zip(&mut rows) {
-                put_instruments(&observed, piece, rows)?;
-            }
-        }
         if let Some(weight) = self.row_weight {
             for (joint, row) in rows.iter_mut().flat_map(|joints| joints.iter_mut().enumerate()) {
                 row.residual.iter_mut().for_each(|e| *e *= weight(joint, *e));

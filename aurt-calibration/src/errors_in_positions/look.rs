@@ -3,9 +3,7 @@ use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
 use super::{
-    hausman::{Hausman, Tested},
     noise::{acceleration_share, noisier},
-    normal::Normal,
     report::{FittedBandwidth, JointPositionNoise, Looked},
     shift::Shift,
 };
@@ -20,66 +18,33 @@ const MOTION_SHARE: f64 = 0.25;
 const MOTION_HZ: f64 = 3.0;
 /// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
 const NEGLIGIBLE_SHARE: f64 = 1e-4;
-/// Draws of the noise that a bias is shown from, and that it is corrected by.
-pub(crate) const DRAWS: [u64; 2] = [4, 16];
+/// Draws of the noise that a bias is shown from.
+pub(crate) const DRAWS: u64 = 4;
 
 pub(crate) struct Fitted<'a> {
     pub rows: Observed<'a>,
-    pub system: &'a System,
     pub weights: &'a [f64],
     pub solution: &'a Solution,
 }
 
-/// What noise of the positions does. With `thorough` it is drawn often enough for the estimate to be corrected; a shift that is
-/// `known` is not asked for again.
-///
-/// # Errors
-/// [`CalibrationError::NoisyPositions`] if an estimate is to be corrected and noise makes up what the motion shows, and what
-/// models report.
-pub(crate) fn look(
-    fitted: &Fitted<'_>,
-    thorough: bool,
-    known: Option<&Shift>,
-) -> Result<Looked, CalibrationError> {
+/// What noise of the positions does; a shift that is `known` is not asked for again.
+pub(crate) fn look(fitted: &Fitted<'_>, known: Option<&Shift>) -> Result<Looked, CalibrationError> {
     let Fitted { rows, weights, solution, .. } = *fitted;
     let joints = joints(rows.model, rows.recordings)?;
-    let draws = if matters(&joints) { DRAWS[usize::from(thorough)] } else { 0 };
-    let needed = if known.is_some() && !thorough { 0 } else { draws };
-    let drawn: Vec<System> =
-        (0..needed).into_par_iter().map(|draw| drawn(&rows, draw)).collect::<Result<_, _>>()?;
+    let draws = if matters(&joints) { DRAWS } else { 0 };
     let shift = match known {
         Some(known) => known.clone(),
         None => {
-            let solve = |system: &System| system.solve_coefficients_of(weights, |k| solution.excited[k]);
-            let estimates: Vec<Vec<f64>> = drawn.iter().map(solve).collect::<Result<_, _>>()?;
+            let solve = |system: System| system.solve_coefficients_of(weights, |k| solution.excited[k]);
+            let estimates: Vec<Vec<f64>> = (0..draws)
+                .into_par_iter()
+                .map(|draw| solve(drawn(&rows, draw)?))
+                .collect::<Result<_, _>>()?;
             Shift::of(rows.model, &[], &solution.coefficients, &estimates)
         }
     };
-    // More noise than first order holds for predicts no difference.
-    let none = Shift::default();
-    let predicted = if joints.iter().any(JointPositionNoise::is_overwhelming) { &none } else { &shift };
-    let hausman = if draws > 0 { agreement(fitted, predicted)? } else { None };
-    let corrected = if thorough {
-        let plain = Normal::of(fitted.system, weights);
-        let mut corrected = plain.clone();
-        for system in &drawn {
-            corrected.add(&plain, 1.0 / draws as f64);
-            corrected.add(&Normal::of(system, weights), -1.0 / draws as f64);
-        }
-        Some(corrected.solve(&solution.excited).ok_or_else(|| {
-            let worst = joints
-                .iter()
-                .enumerate()
-                .max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
-            let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
-            let remedy = FittedBandwidth::remedy(bandwidth(rows.recordings));
-            CalibrationError::NoisyPositions { joint, percent: 100.0 * share, remedy }
-        })?)
-    } else {
-        None
-    };
     let f_dyn = if draws > 0 { bandwidth(rows.recordings) } else { None };
-    Ok(Looked { joints, f_dyn, draws, shift, hausman, corrected })
+    Ok(Looked { joints, f_dyn, draws, shift })
 }
 
 /// The f_dyn of recordings, and that which suits their motion: the fastest motion and the slowest clock decide.
@@ -95,15 +60,6 @@ fn bandwidth(recordings: &[&NamedRecording]) -> Option<FittedBandwidth> {
     // The parallel filter cuts at twice f_dyn.
     let f_dyn_hz = reports().next()?.parallel_cutoff_hz / 2.0;
     Some(FittedBandwidth { f_dyn_hz, suitable_hz })
-}
-
-/// Whether instruments agree, where the recordings are long enough for their filter.
-fn agreement(fitted: &Fitted<'_>, shift: &Shift) -> Result<Option<Hausman>, CalibrationError> {
-    let Fitted { rows, weights, solution, .. } = *fitted;
-    match (Tested { rows, coefficients: &solution.coefficients, weights }).test(shift) {
-        Err(CalibrationError::Recording(_)) => Ok(None),
-        tested => tested,
-    }
 }
 
 fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {

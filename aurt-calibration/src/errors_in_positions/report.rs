@@ -1,7 +1,7 @@
 use aurt_traits::{RobotModel, RobotNames};
 use serde::{Deserialize, Serialize};
 
-use super::{hausman::Hausman, shift::Shift};
+use super::shift::Shift;
 
 /// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
 const OVERWHELMING: f64 = 0.5;
@@ -20,9 +20,6 @@ pub struct PositionBias {
     pub draws: u64,
     /// The coefficients that the recordings determine; none where noise is negligible.
     pub parameters: Vec<ParameterBias>,
-    /// Whether instruments find other coefficients; absent where noise is negligible.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hausman: Option<Hausman>,
 }
 
 /// The f_dyn of a fit beside that which suits the motion.
@@ -89,9 +86,6 @@ pub(crate) struct Looked {
     pub draws: u64,
     /// What the noise does to least squares when it is added once more.
     pub shift: Shift,
-    pub hausman: Option<Hausman>,
-    /// The estimate without it and the inverse of the corrected WᵀΩ⁻¹W, column-major, where these were asked for.
-    pub corrected: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl PositionBias {
@@ -109,7 +103,6 @@ impl PositionBias {
             f_dyn: looked.f_dyn,
             draws: looked.draws,
             parameters: determined.map(told).collect(),
-            hausman: looked.hausman.clone(),
         }
     }
 
@@ -138,45 +131,26 @@ impl PositionBias {
         })
     }
 
-    /// What to know of least squares that was not corrected.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    /// What to know of the estimates.
+    pub(crate) fn warnings(&self) -> Option<String> {
         const NAMED: usize = 3;
         let notable = self.notable();
-        let differs = self.hausman.as_ref().is_some_and(Hausman::is_biased);
-        let is_beyond = self.hausman.as_ref().is_some_and(Hausman::is_beyond_noise);
-        let mut warnings = Vec::new();
-        if !notable.is_empty() || (differs && !is_beyond) {
-            let which = if notable.is_empty() {
-                "coefficients".to_owned()
-            } else {
-                let worst: Vec<String> = notable
-                    .iter()
-                    .take(NAMED)
-                    .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations.abs()))
-                    .collect();
-                format!(
-                    "{} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), included in their intervals",
-                    notable.len(),
-                    self.parameters.len(),
-                    worst.join(", "),
-                    if notable.len() > NAMED { ", …" } else { "" },
-                )
-            };
-            let test = if differs && !is_beyond { "; instrumental variables confirm it" } else { "" };
-            warnings.push(format!(
-                "position noise biases {which}{test}; {} (`aurt explain position_bias`)",
+        let worst: Vec<String> = notable
+            .iter()
+            .take(NAMED)
+            .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations.abs()))
+            .collect();
+        (!notable.is_empty()).then(|| {
+            format!(
+                "position noise biases {} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), included in their \
+                 intervals; {} (`aurt explain position_bias`)",
+                notable.len(),
+                self.parameters.len(),
+                worst.join(", "),
+                if notable.len() > NAMED { ", …" } else { "" },
                 FittedBandwidth::remedy(self.f_dyn)
-            ));
-        }
-        if is_beyond {
-            warnings.push(
-                "least squares and instrumental variables differ by more than the measured position noise explains: the model \
-                 may lack a torque, such as rotor inertia or Stribeck friction, or the recordings have an error; run `aurt \
-                 diagnose` (`aurt explain position_bias`)"
-                    .to_owned(),
-            );
-        }
-        warnings
+            )
+        })
     }
 }
 

@@ -13,8 +13,6 @@ const OF_FRICTION: f64 = 1.0 + std::f64::consts::SQRT_2;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shift {
     all: Vec<f64>,
-    /// Of each draw; `all` is their mean.
-    draws: Vec<Vec<f64>>,
     coefficients: usize,
 }
 
@@ -36,21 +34,13 @@ impl Shift {
             factors[model.group(*group)].fill(factor(model, *group));
         }
         factors.extend(owners.iter().map(|group| factor(model, *group)));
-        let shifted = |draw: &Vec<f64>| -> Vec<f64> {
-            draw.iter().zip(estimate).zip(&factors).map(|((d, e), factor)| factor * (d - e)).collect()
-        };
-        let draws: Vec<Vec<f64>> = drawn.iter().map(shifted).collect();
         let mean = |k: usize| drawn.iter().map(|d| d[k] - estimate[k]).sum::<f64>() / drawn.len() as f64;
         let all = factors.iter().enumerate().map(|(k, factor)| factor * mean(k)).collect();
-        Self { all, draws, coefficients }
+        Self { all, coefficients }
     }
 
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.all[..self.coefficients.min(self.all.len())]
-    }
-
-    pub(crate) fn draws(&self) -> impl Iterator<Item = &[f64]> {
-        self.draws.iter().map(|draw| &draw[..self.coefficients])
     }
 
     pub(crate) fn shapes(&self) -> &[f64] {

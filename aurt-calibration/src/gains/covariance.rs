@@ -58,7 +58,6 @@ pub(super) fn covariance(
         weights: &per_torque,
         bread: seen.inverse.as_slice(),
         row_weight: None,
-        instruments: false,
         lift: Some(&lift),
     }
     .covariance()?;

@@ -49,11 +49,6 @@ pub(crate) fn low_chi_squared(freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |of| of.inverse_cdf(0.1))
 }
 
-/// The probability that χ² of some degrees of freedom exceeds a value; NaN where there are none.
-pub(crate) fn chi_squared_above(value: f64, freedom: f64) -> f64 {
-    ChiSquared::new(freedom).map_or(f64::NAN, |of| of.sf(value))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,14 +86,11 @@ mod tests {
         assert!(two_sided(1.0, 0.0).is_nan());
     }
 
-    /// Quantiles of χ² from scipy 1.17: 10 % with 4, 10 and 30 degrees of freedom; and 5 % with 4, 10 and 48.
+    /// Quantiles of χ² from scipy 1.17: 10 % with 4, 10 and 30 degrees of freedom.
     #[test]
     fn chi_squared_is_that_of_tables() {
         for (freedom, expected) in [(4.0, 1.063_623_217), (10.0, 4.865_182_052), (30.0, 20.599_234_615)] {
             assert!((low_chi_squared(freedom) / expected - 1.0).abs() < 1e-7, "{}", low_chi_squared(freedom));
-        }
-        for (freedom, value) in [(4.0, 9.487_729_037), (10.0, 18.307_038_053), (48.0, 65.170_768_904)] {
-            assert!((chi_squared_above(value, freedom) / 0.05 - 1.0).abs() < 1e-7);
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn shift(
     // A search ends before the last of its steps: what the recordings as they are ask for is no shift.
     let (plain, excited) = step(shaped, shaped.rows, units, scopes, None)?;
     let all: Vec<usize> = (0..recordings.len()).collect();
-    let drawn: Vec<Vec<f64>> = (0..DRAWS[0])
+    let drawn: Vec<Vec<f64>> = (0..DRAWS)
         .into_par_iter()
         .map(|draw| {
             let noisier = noisier_recordings(&recordings, draw)?;

@@ -95,50 +95,6 @@ fn noise_of_the_positions_is_told() {
     assert!(worst.fold(0.0, f64::max) > 1.0, "{bias}");
 }
 
-/// The test of Durbin, Wu and Hausman does not reject least squares where encoders are exact or fine, and does where they have
-/// 12 bits; then the cure is told.
-#[test]
-fn instruments_disagree_with_least_squares_where_the_encoder_is_coarse() {
-    let fine = Folder::new().with_whole_demo();
-    let text = fine.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 8.0");
-    fine.write("experiment.toml", &text);
-    let exact = fine.read("exciting_motion.csv");
-    let run = |bits: Option<i32>| {
-        let row = |(k, line): (usize, &str)| match bits {
-            Some(bits) if k > 0 => coarse(line, bits),
-            _ => line.to_owned(),
-        };
-        let rows: Vec<String> = exact.lines().enumerate().map(row).collect();
-        fine.write("exciting_motion.csv", &(rows.join("\n") + "\n"));
-        let out = format!("bits_{}", bits.unwrap_or(0));
-        let said = fine.aurt(["run", "experiment.toml", "--out", &out]).succeeded().stdout();
-        let bias = fine.json(&format!("{out}/metrics.json"))["position_bias"].clone();
-        (said.split_whitespace().collect::<Vec<_>>().join(" "), bias)
-    };
-    for bits in [None, Some(19), Some(16)] {
-        let (said, bias) = run(bits);
-        // Where noise of the positions is negligible there is nothing to test.
-        let test = &bias["hausman"];
-        let probability = test["probability"].as_f64().unwrap_or(1.0);
-        assert!(probability > 0.05 && (bias["draws"] == 0 || !test.is_null()), "{bits:?} {test}");
-        assert!(!said.contains("do not agree"), "{said}");
-        if !test.is_null() {
-            assert!(said.contains("least squares and instrumental variables agree"), "{said}");
-        }
-    }
-    let (said, bias) = run(Some(12));
-    let test = &bias["hausman"];
-    assert!(test["probability"].as_f64().unwrap() < 1e-3, "{bias}");
-    let [statistic, freedom] = ["statistic", "freedom"].map(|key| test[key].as_f64().unwrap());
-    assert!(statistic > 2.0 * freedom && freedom >= 10.0, "{test}");
-    for words in [
-        "least squares and instrumental variables do not agree: least squares is biased",
-        "instrumental variables confirm it; use f_dyn_hz = ",
-    ] {
-        assert!(said.contains(words), "`{words}` is missing in {said}");
-    }
-}
-
 /// The row as an encoder of so many bits shows it.
 fn coarse(line: &str, bits: i32) -> String {
     let step = std::f64::consts::TAU / 2_f64.powi(bits);

@@ -95,8 +95,6 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                     "weighted least squares of the fewest parameters that predict as well as all".into()
                 }
                 Estimator::Irls => "weighted least squares with weights by row, Huber's, then Tukey's".into(),
-                Estimator::Eiv => "weighted least squares without the bias of noise in the positions".into(),
-                Estimator::Iv => "instrumental variables".to_owned(),
             },
         ),
         entry(

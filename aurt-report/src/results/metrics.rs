@@ -250,8 +250,6 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Ols => "ols",
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
-        Estimator::Eiv => "eiv",
-        Estimator::Iv => "iv",
         Estimator::Irls => "irls",
     }
 }
