@@ -27,6 +27,8 @@ pub struct Indicated {
     pub chosen: Chosen,
     /// Which tests it fails, in words.
     pub fails: Vec<String>,
+    /// Whether the rows that confirm speak for it, though not clearly enough, and nothing else is against it.
+    pub lacks_confirmation: bool,
 }
 
 /// Coefficients have to be farther from zero than one case in a hundred of nothing, in deviations of which the jackknife over
@@ -68,7 +70,11 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         };
         drop(trial);
         let chosen = investigation.selection.chosen.remove(worst);
-        indicated.push(Indicated { chosen, fails: fails.swap_remove(worst) });
+        let fails = fails.swap_remove(worst);
+        let is_searched = chosen.p_null.is_none_or(|p| p <= question.selection.level);
+        let lacks_confirmation =
+            fails.len() == 1 && is_searched && chosen.p_confirm.is_some_and(|p| p > most && p <= 0.5);
+        indicated.push(Indicated { chosen, fails, lacks_confirmation });
         investigation.confirm_chosen(question);
     }
     indicated.sort_by(|a, b| b.chosen.score.total_cmp(&a.chosen.score));

@@ -2,7 +2,8 @@
 //!
 //! What fails a test may have taken the place of what would pass it: an effect that describes the fitted rows best and
 //! contradicts the held-out ones hides the one that describes both. So what failed is barred, and the search goes on from what
-//! passed.
+//! passed. What failed for want of rows that confirm it, and describes the fitted ones as well as what then took its place, is an
+//! alternative to that.
 
 use aurt_plugins::Registry;
 
@@ -11,6 +12,7 @@ use crate::investigation::earned::Indicated;
 use crate::investigation::{Investigation, earn, reshape};
 use crate::request::Question;
 use crate::search::ground::Recorded;
+use crate::search::scoring::Loss;
 use crate::search::selection::{Selection, Selector};
 
 /// Searches after the first. Each bars what failed before it; two suffice for a chain of an effect and its two neighbours.
@@ -46,9 +48,12 @@ pub(super) fn reselect(
         if score(&investigation.selection) > score(&passed.0) {
             let Investigation { selection, indicated, .. } = investigation;
             indicated.retain(|i| selection.chosen.iter().all(|c| c.group != i.chosen.group));
+            let failed: Vec<usize> =
+                indicated.iter().filter(|i| i.lacks_confirmation).map(|i| i.chosen.group).collect();
             let is_new = |i: &Indicated| indicated.iter().all(|old| old.chosen.group != i.chosen.group);
             let new: Vec<Indicated> = failed_now.into_iter().filter(is_new).collect();
             indicated.extend(new);
+            add_rivals(question, registry, investigation, &failed, &passed.0);
         } else {
             (investigation.selection, investigation.stability) = passed;
             // The search has estimated shapes anew.
@@ -59,6 +64,48 @@ pub(super) fn reselect(
         }
     }
     Ok(())
+}
+
+/// Adds to the rivals of what is new those of the failed groups that could stand in its place.
+fn add_rivals(
+    question: &Question<'_>,
+    registry: &Registry,
+    investigation: &mut Investigation,
+    failed: &[usize],
+    before: &Selection,
+) {
+    if failed.is_empty() {
+        return;
+    }
+    let mut ground = Recorded {
+        problem: investigation.problem.clone(),
+        rows: &mut investigation.rows,
+        candidates: &mut investigation.candidates,
+        partition: &investigation.partition,
+        layout: &investigation.layout,
+        question,
+        registry,
+    };
+    let selector = Selector {
+        ground: &mut ground,
+        baseline: &investigation.base_switches,
+        groups: &investigation.groups,
+        floor: &investigation.floor,
+        options: &question.selection,
+    };
+    let scoring = selector.scoring();
+    let chosen = &mut investigation.selection.chosen;
+    let groups: Vec<usize> = chosen.iter().map(|c| c.group).collect();
+    let full = scoring.fit(&groups);
+    for (i, one) in chosen.iter_mut().enumerate() {
+        if before.chosen.iter().any(|c| c.group == one.group) {
+            continue;
+        }
+        let Loss { score, without, .. } = scoring.loss(&groups, i, &full);
+        let rivals = scoring.rivals(&groups, i, score, &without);
+        one.rivals.extend(rivals.into_iter().filter(|rival| failed.contains(&rival.group)));
+        one.rivals.sort_by(|a, b| b.score.total_cmp(&a.score));
+    }
 }
 
 /// Selection from what passed, among all that did not fail.

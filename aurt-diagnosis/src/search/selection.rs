@@ -335,7 +335,7 @@ impl Scoring<'_> {
     /// Groups of other effects that do as well as the i-th of the chosen, or of which the data leave open whether they do. One
     /// that has more coefficients and more parameters and does no better contains the chosen one, unless it is the same force in
     /// other coordinates.
-    fn rivals(&self, chosen: &[usize], i: usize, score: f64, fit: &Weighed) -> Vec<Rival> {
+    pub(crate) fn rivals(&self, chosen: &[usize], i: usize, score: f64, fit: &Weighed) -> Vec<Rival> {
         let own = &self.groups[chosen[i]];
         let rest = without(chosen, i);
         let near = self.near(score);

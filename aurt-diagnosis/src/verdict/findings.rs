@@ -84,6 +84,7 @@ pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation
     let together = together.map(|c| Indicated {
         chosen: c.clone(),
         fails: vec!["the calibration recordings alone do not show it".to_owned()],
+        lacks_confirmation: false,
     });
     let mut found: Vec<Indication> = investigation
         .indicated
