@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Changes that are added to a real recording: linear viscous friction on one joint, and a delay of all measurements.
+"""Changes that are added to a real recording: linear viscous friction on one joint, an encoder that shows too much, and a delay of
+all measurements.
 
     AURT_DATA=/path/to/recordings python3 examples/ur10e-added-changes.py --out added
 
@@ -18,6 +19,7 @@ JOINTS = 6
 TORQUE_CONSTANTS_NM_PER_A = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 VISCOUS_NM_S = {0: 8.0, 1: 8.0, 2: 6.0, 4: 1.5}
 DELAYS_S = [0.020, 0.040]
+OFFSETS_RAD = {1: 0.02, 2: -0.03, 3: 0.1, 4: 0.2}
 
 
 def columns(header, name):
@@ -28,6 +30,12 @@ def with_friction(header, rows, joint, viscous_nm_s):
     velocity, current = columns(header, "qd")[joint], columns(header, "current")[joint]
     for row in rows:
         row[current] += viscous_nm_s * row[velocity] / TORQUE_CONSTANTS_NM_PER_A[joint]
+
+
+def shifted(header, rows, joint, offset_rad):
+    position = columns(header, "q")[joint]
+    for row in rows:
+        row[position] += offset_rad
 
 
 def delayed(header, rows, delay_s):
@@ -45,7 +53,7 @@ def delayed(header, rows, delay_s):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=" ".join(__doc__.splitlines()[:2]))
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--aurt", default="target/release/aurt")
     arguments = parser.parse_args()
@@ -56,6 +64,7 @@ def main():
         header, *recorded = csv.reader(file)
     changes = [(f"viscous_{joint}", with_friction, (joint, size)) for joint, size in VISCOUS_NM_S.items()]
     changes += [(f"delay_{1000 * size:.0f}_ms", delayed, (size,)) for size in DELAYS_S]
+    changes += [(f"offset_{joint}", shifted, (joint, size)) for joint, size in OFFSETS_RAD.items()]
     for name, change, sizes in changes:
         rows = [[float(cell) for cell in row] for row in recorded]
         change(header, rows, *sizes)
