@@ -53,10 +53,10 @@ class Shard:
 
     def __init__(self, command):
         self.command, self.starts = command, 0
-        self.process, self.until, self.pace = None, None, None
+        self.process, self.until = None, None
 
     def start(self, mean_s, draws):
-        self.starts, self.pace = self.starts + 1, (mean_s, draws)
+        self.starts += 1
         self.process = subprocess.Popen(
             self.command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
         )
@@ -65,11 +65,8 @@ class Shard:
     def is_done(self):
         """Whether it has come to its end by itself."""
         status = self.process.poll()
-        if status is not None and b"is in use" in (said := self.process.stderr.read()):
-            self.start(*self.pace)  # By a diagnosis that outlived its proof.
-            return False
         if status is not None and status not in (0, 1):
-            refuse(f"{' '.join(map(str, self.command))} ended with status {status}:\n{said.decode()}")
+            refuse(f"{' '.join(map(str, self.command))} ended with status {status}:\n{self.process.stderr.read().decode()}")
         return status is not None
 
     def kill(self):

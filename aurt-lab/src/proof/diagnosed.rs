@@ -5,6 +5,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
+    time::{Duration, Instant},
 };
 
 use crate::{
@@ -196,12 +197,16 @@ fn remove(folder: &Path) -> Result<(), Failure> {
     }
 }
 
+/// How long a diagnosis that outlives a killed proof is waited for.
+const OUTLIVES: Duration = Duration::from_secs(120);
+
 /// Runs `aurt diagnose` in a case's folder. Nothing of the case is in the command but its folder. What it complained of,
 /// if it failed, is written where its verdict would be.
 fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result<(), Failure> {
     let fail = |source| Failure::write(out.to_owned(), source);
     let out = std::path::absolute(out).map_err(fail)?;
-    let done = Command::new(&options.program)
+    let mut command = Command::new(&options.program);
+    command
         .args(["diagnose", "experiment.toml", "--quiet", "--verdict-only", "--out"])
         .arg(&out)
         .args(more)
@@ -209,15 +214,20 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
         // Cases are diagnosed side by side.
         .env("RAYON_NUM_THREADS", "1")
         .envs([options.trust.environment()])
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| {
-            Failure::argument(
-                "--program",
-                format!("{} cannot be run: {error}", options.program.display()),
-                "name an executable of aurt",
-            )
-        })?;
+        .stdin(Stdio::null());
+    let mut run = || {
+        command.output().map_err(|error| {
+            let reason = format!("{} cannot be run: {error}", options.program.display());
+            Failure::argument("--program", reason, "name an executable of aurt")
+        })
+    };
+    let (mut done, begin) = (run()?, Instant::now());
+    while String::from_utf8_lossy(&done.stderr).contains("is in use: another run")
+        && begin.elapsed() < OUTLIVES
+    {
+        std::thread::sleep(Duration::from_millis(200));
+        done = run()?;
+    }
     if out.join(VERDICT).exists() && matches!(done.status.code(), Some(0 | 1)) {
         return Ok(());
     }
