@@ -167,7 +167,7 @@ pub(crate) fn finished(
     let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(|report| report.warnings(robot)));
     warnings.extend(position_bias.iter().filter_map(|bias| bias.overwhelming(robot)));
-    warnings.extend(position_bias.iter().flat_map(PositionBias::warnings));
+    warnings.extend(position_bias.iter().filter_map(PositionBias::warning));
     warnings.extend(robust.iter().flat_map(|report| report.warnings(robot)));
     let about_physics = physical::warnings(&physical::Fitted {
         model,

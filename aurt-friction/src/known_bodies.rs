@@ -1,4 +1,4 @@
-//! Rigid bodies whose inertial parameters are known: what terms linear in something else are made of.
+//! Rigid bodies whose inertial parameters are known: the bodies around which a term is linear in an angle.
 
 use aurt_traits::{ModelError, MotionView, Result, RigidBodyRegressor};
 
@@ -14,7 +14,8 @@ pub(crate) struct KnownBodies<'a> {
 }
 
 impl KnownBodies<'_> {
-    /// How many parameters the rigid bodies have, is not known before they are evaluated: joints that follow others add links.
+    /// Every complaint but that of an index beyond the rigid body's own, whose number of parameters is not known before it is
+    /// evaluated: joints that follow others add links.
     pub fn complaints(self) -> Vec<ModelError> {
         let Self { model, columns, values } = self;
         let mut complaints = Vec::new();

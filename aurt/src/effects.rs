@@ -242,7 +242,7 @@ effects! {
     }
     /// An encoder with another zero.
     EncoderOffset = "encoder_offset" {
-        /// What the encoder shows too much, rad.
+        /// The angle that the encoder shows too much, rad.
         offset_rad: Vec<Estimate>,
     }
     /// A force from outside during a window of time; the [finding](Named::finding) has the window.

@@ -27,7 +27,7 @@ pub(crate) struct Fitted<'a> {
     pub solution: &'a Solution,
 }
 
-/// What noise of the positions does; a shift that is `known` is not asked for again.
+/// The effect of noise of the positions; a shift that is `known` is not asked for again.
 pub(crate) fn look(fitted: &Fitted<'_>, known: Option<&Shift>) -> Result<Looked, CalibrationError> {
     let Fitted { rows, weights, solution, .. } = *fitted;
     let joints = joints(rows.model, rows.recordings)?;

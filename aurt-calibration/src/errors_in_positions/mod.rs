@@ -5,8 +5,7 @@
 //! noise model of each joint draws it (white noise, and the lattice of the encoder on the very motion, through the filters of
 //! the positions), shows by how much it shifts estimates (Nakamura 1990; Novick and Stefanski 2002). Exact where the regressor
 //! is linear in the noise; to first order in its power elsewhere. Friction turns with the sign of the velocity, where that is
-//! not enough, and intervals around corrected estimates hold less often than those of least squares. So the shift is not taken
-//! off: it widens their intervals (`Shift`).
+//! not enough. So the shift is not taken off: it widens their intervals (`Shift`).
 
 mod look;
 mod noise;

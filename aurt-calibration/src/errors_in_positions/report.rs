@@ -123,7 +123,7 @@ impl PositionBias {
         noise.is_overwhelming().then(|| {
             format!(
                 "position noise makes up {:.0} % of the power of the accelerations of {}, too much for its effect on the \
-                 estimates to be determined or corrected; {}",
+                 estimates to be determined; {}",
                 100.0 * noise.acceleration_share,
                 names.joint(joint),
                 FittedBandwidth::remedy(self.f_dyn)
@@ -131,8 +131,8 @@ impl PositionBias {
         })
     }
 
-    /// What to know of the estimates.
-    pub(crate) fn warnings(&self) -> Option<String> {
+    /// The warning of coefficients whose intervals are wider by it.
+    pub(crate) fn warning(&self) -> Option<String> {
         const NAMED: usize = 3;
         let notable = self.notable();
         let worst: Vec<String> = notable

@@ -2,8 +2,8 @@
 //!
 //! # What it is
 //! Where the joint stands at q, the recording has q + o: y = τ(q_recorded − o), with τ the torque of the fitted rigid
-//! bodies. An encoder, a motor or a gear was exchanged, a belt has jumped a tooth, a
-//! spline sits one tooth further, a robot was mastered anew. Play whose joint hangs on one flank does the same.
+//! bodies. An encoder, a motor or a gear was exchanged, a belt has jumped a tooth, a spline sits one tooth further, a
+//! robot was mastered anew. Play whose joint hangs on one flank does the same.
 //!
 //! - `offset_rad`: o, rad; above zero where the encoder shows too much; usually some hundredths.
 //!

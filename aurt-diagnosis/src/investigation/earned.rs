@@ -27,7 +27,7 @@ pub struct Indicated {
     pub chosen: Chosen,
     /// Which tests it fails, in words.
     pub fails: Vec<String>,
-    /// Whether the rows that confirm speak for it, though not clearly enough, and nothing else is against it.
+    /// True if more than half of the pieces of the confirming rows are for it, though too few, and nothing else is against it.
     pub lacks_confirmation: bool,
 }
 
@@ -71,9 +71,9 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         drop(trial);
         let chosen = investigation.selection.chosen.remove(worst);
         let fails = fails.swap_remove(worst);
-        let is_searched = chosen.p_null.is_none_or(|p| p <= question.selection.level);
+        let is_rare = chosen.p_null.is_none_or(|p| p <= question.selection.level);
         let lacks_confirmation =
-            fails.len() == 1 && is_searched && chosen.p_confirm.is_some_and(|p| p > most && p <= 0.5);
+            fails.len() == 1 && is_rare && chosen.p_confirm.is_some_and(|p| p > most && p <= 0.5);
         indicated.push(Indicated { chosen, fails, lacks_confirmation });
         investigation.confirm_chosen(question);
     }

@@ -8,12 +8,13 @@
 use aurt_plugins::Registry;
 
 use crate::error::DiagnosisError;
+use crate::hypotheses::group::Group;
 use crate::investigation::earned::Indicated;
 use crate::investigation::{Investigation, earn, reshape};
 use crate::request::Question;
 use crate::search::ground::Recorded;
 use crate::search::scoring::Loss;
-use crate::search::selection::{Selection, Selector};
+use crate::search::selection::{Chosen, Selection, Selector};
 
 /// Searches after the first. Each bars what failed before it; two suffice for a chain of an effect and its two neighbours.
 const SEARCHES: usize = 2;
@@ -77,35 +78,21 @@ fn add_rivals(
     if failed.is_empty() {
         return;
     }
-    let mut ground = Recorded {
-        problem: investigation.problem.clone(),
-        rows: &mut investigation.rows,
-        candidates: &mut investigation.candidates,
-        partition: &investigation.partition,
-        layout: &investigation.layout,
-        question,
-        registry,
-    };
-    let selector = Selector {
-        ground: &mut ground,
-        baseline: &investigation.base_switches,
-        groups: &investigation.groups,
-        floor: &investigation.floor,
-        options: &question.selection,
-    };
-    let scoring = selector.scoring();
-    let chosen = &mut investigation.selection.chosen;
+    let mut chosen = std::mem::take(&mut investigation.selection.chosen);
     let groups: Vec<usize> = chosen.iter().map(|c| c.group).collect();
-    let full = scoring.fit(&groups);
-    for (i, one) in chosen.iter_mut().enumerate() {
-        if before.chosen.iter().any(|c| c.group == one.group) {
-            continue;
+    let all = investigation.groups.clone();
+    selecting(question, registry, investigation, &all, |selector| {
+        let scoring = selector.scoring();
+        let full = scoring.fit(&groups);
+        let is_new = |one: &Chosen| before.chosen.iter().all(|c| c.group != one.group);
+        for (i, one) in chosen.iter_mut().enumerate().filter(|(_, one)| is_new(one)) {
+            let Loss { score, without, .. } = scoring.loss(&groups, i, &full);
+            let rivals = scoring.rivals(&groups, i, score, &without);
+            one.rivals.extend(rivals.into_iter().filter(|rival| failed.contains(&rival.group)));
+            one.rivals.sort_by(|a, b| b.score.total_cmp(&a.score));
         }
-        let Loss { score, without, .. } = scoring.loss(&groups, i, &full);
-        let rivals = scoring.rivals(&groups, i, score, &without);
-        one.rivals.extend(rivals.into_iter().filter(|rival| failed.contains(&rival.group)));
-        one.rivals.sort_by(|a, b| b.score.total_cmp(&a.score));
-    }
+    });
+    investigation.selection.chosen = chosen;
 }
 
 /// Selection from what passed, among all that did not fail.
@@ -120,6 +107,23 @@ fn search(
     let groups: Vec<_> = open.iter().map(|group| investigation.groups[*group].clone()).collect();
     let passed = &investigation.selection.chosen;
     let start = passed.iter().filter_map(|c| open.iter().position(|group| *group == c.group)).collect();
+    let mut selection =
+        selecting(question, registry, investigation, &groups, |selector| selector.run_from(start, progress));
+    for chosen in &mut selection.chosen {
+        chosen.group = open[chosen.group];
+        chosen.rivals.iter_mut().for_each(|rival| rival.group = open[rival.group]);
+    }
+    selection
+}
+
+/// A selector among some groups on the recordings of an investigation, for one use.
+fn selecting<T>(
+    question: &Question<'_>,
+    registry: &Registry,
+    investigation: &mut Investigation,
+    groups: &[Group],
+    use_of_it: impl FnOnce(&mut Selector<'_>) -> T,
+) -> T {
     let mut ground = Recorded {
         problem: investigation.problem.clone(),
         rows: &mut investigation.rows,
@@ -129,20 +133,15 @@ fn search(
         question,
         registry,
     };
-    let mut selector = Selector {
+    let found = use_of_it(&mut Selector {
         ground: &mut ground,
         baseline: &investigation.base_switches,
-        groups: &groups,
+        groups,
         floor: &investigation.floor,
         options: &question.selection,
-    };
-    let mut selection = selector.run_from(start, progress);
+    });
     investigation.problem = ground.problem;
-    for chosen in &mut selection.chosen {
-        chosen.group = open[chosen.group];
-        chosen.rivals.iter_mut().for_each(|rival| rival.group = open[rival.group]);
-    }
-    selection
+    found
 }
 
 /// Judges what was selected on the rows that confirm.

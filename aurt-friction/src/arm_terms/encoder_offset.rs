@@ -7,7 +7,7 @@
 //! 5·10⁻³ at 0.1 rad.
 //!
 //! # Linear only around known bodies
-//! Angle times inertial parameter is no linear term. As in `base_tilt`, the inertial values are configuration: standard-parameter
+//! The product of angle and inertial parameter is not linear. As in `base_tilt`, the inertial values are configuration: standard-parameter
 //! indices and values of a fit. Without them all columns are zero, and a calibration reports the offsets as not excited.
 //!
 //! # Parameters
@@ -28,7 +28,7 @@
 //! that turns about the direction of gravity and carries all others (a vertical first axis) the torque does not depend on the zero.
 //!
 //! # Source
-//! Linearisation of the rigid-body torque in the position; for the practice, Khalil and Dombre (2002), *Modeling, Identification
+//! Secant of the rigid-body torque in the position; for the practice, Khalil and Dombre (2002), *Modeling, Identification
 //! and Control of Robots*, on the calibration of joint zeros.
 //!
 //! # Invariants
@@ -73,10 +73,10 @@ impl EncoderOffset {
 register_model! {
     slot: ArmTerm,
     name: "encoder_offset",
-    summary: "an encoder whose zero is not that of the model (small angle)",
+    summary: "an encoder whose zero is not that of the model",
     equation: "τ = Σ_j encoder_offset_j (τ_RBD(q − a e_j) − τ_RBD(q)) / a, −∂τ_RBD/∂q_j for a = 0, τ_RBD of a fit",
     use_when: "a joint's zero was lost after the calibration; hold the calibrated coefficients fixed",
-    source: "linearisation in the position; Khalil and Dombre (2002)",
+    source: "secant in the position; Khalil and Dombre (2002)",
     example: r#"{ model = "encoder_offset", joints = [1], inertial_columns = [6, 9, 16, 19], inertial_values = [0.9, 3.0, 0.4, 2.0] }"#,
 }
 

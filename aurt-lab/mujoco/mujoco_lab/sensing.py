@@ -38,7 +38,8 @@ class Instrument:
 def log(robot, instrument, trace, settings, random):
     """Time, angles and measured torques in Nm with noise, row by row as they are written."""
     t = np.arange(int(trace.time_s[-1] * settings["rate_hz"] + 1e-6) + 1) / settings["rate_hz"]
-    q = _smooth(trace, t) + instrument.encoder_offset_rad + robot.encoder_noise_rad * random.standard_normal((len(t), robot.joints))
+    noise_rad = robot.encoder_noise_rad * random.standard_normal((len(t), robot.joints))
+    q = _smooth(trace, t) + instrument.encoder_offset_rad + noise_rad
     u = instrument.shown(trace.time_s, trace.torque_nm, t)
     # Noise is that of the current, before the converter's limit.
     u = instrument.limited(u + robot.torque_noise_nm * random.standard_normal(u.shape))

@@ -197,7 +197,7 @@ fn remove(folder: &Path) -> Result<(), Failure> {
     }
 }
 
-/// How long a diagnosis that outlives a killed proof is waited for.
+/// Longest wait for a diagnosis that outlived a killed proof; it ends by itself, as all others do, after some seconds.
 const OUTLIVES: Duration = Duration::from_secs(120);
 
 /// Runs `aurt diagnose` in a case's folder. Nothing of the case is in the command but its folder. What it complained of,

@@ -27,20 +27,12 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, Simu
         Law::BaseTilt { .. } => {
             if let Some(tilt) = tilt(added) {
                 torques = scene.torque_under(tilt.tilted(scene.bodies.gravity_m_s2()))?;
-                for (series, upright) in torques.iter_mut().zip(&scene.load) {
-                    for (t, u) in series.iter_mut().zip(upright) {
-                        *t -= u;
-                    }
-                }
+                subtract(&mut torques, &scene.load);
             }
         }
         Law::EncoderOffset => {
             torques = scene.torque_at(j, -added.signed())?;
-            for (series, shown) in torques.iter_mut().zip(&scene.load) {
-                for (t, u) in series.iter_mut().zip(shown) {
-                    *t -= u;
-                }
-            }
+            subtract(&mut torques, &scene.load);
         }
         Law::Spring { rest_rad } => {
             torques[j] =
@@ -67,6 +59,11 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, Simu
         _ => {}
     }
     Ok(torques)
+}
+
+fn subtract(torques: &mut [Vec<f64>], others: &[Vec<f64>]) {
+    let pairs = torques.iter_mut().flatten().zip(others.iter().flatten());
+    pairs.for_each(|(torque, other)| *torque -= other);
 }
 
 pub(super) fn body(added: &Added) -> Option<LinkBody> {
