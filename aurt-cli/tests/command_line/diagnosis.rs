@@ -1,6 +1,6 @@
 //! `aurt diagnose` on physics that was concealed, and on real recordings.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::support::{Folder, numbers, real_recordings};
 
@@ -138,6 +138,42 @@ fn unknown_effects_stay_unexplained_and_nulls_are_null() {
             assert!(bag.windows(9).any(|name| name == b"/measured"), "{case} at {f_dyn_hz} Hz");
         }
     }
+}
+
+/// However far off it is: a term that is linear in the angle leaves what a load is then claimed for.
+#[test]
+fn an_encoder_that_has_lost_its_zero_is_found_with_its_offset() {
+    const OFFSET_RAD: f64 = 0.3;
+    let folder = Folder::new().with_whole_demo();
+    for name in ["other_motion.csv", "point_to_point.csv"] {
+        let text = folder.read(name);
+        let column = text.lines().next().unwrap().split(',').position(|cell| cell == "actual_q_2").unwrap();
+        let shifted = |(k, cell): (usize, &str)| match cell.parse::<f64>() {
+            Ok(angle) if k == column => format!("{:.9}", angle + OFFSET_RAD),
+            _ => cell.to_owned(),
+        };
+        let row = |line: &str| line.split(',').enumerate().map(shifted).collect::<Vec<_>>().join(",");
+        folder.write(name, &(text.lines().map(row).collect::<Vec<_>>().join("\n") + "\n"));
+    }
+    let listed = "validation = [\"other_motion.csv\", \"point_to_point.csv\"]";
+    let toml = folder.read("experiment.toml");
+    assert!(toml.contains(listed));
+    let asked = "target = [\"other_motion.csv\"]\nvalidation = [\"point_to_point.csv\"]";
+    folder.write("shifted.toml", &toml.replace(listed, asked));
+    assert_eq!(folder.aurt(["diagnose", "shifted.toml", "--out", "out"]).status(), 1);
+    let verdict = folder.json("out/verdict.json");
+    let changes: Vec<&Value> = verdict["effects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|e| e["present_in"] == json!(["target"]))
+        .collect();
+    assert_eq!(changes.len(), 1, "{verdict}");
+    assert_eq!([&changes[0]["effect"], &changes[0]["joints"]], [&json!("encoder_offset"), &json!([2])]);
+    let offset = &changes[0]["parameters"]["offset_rad"];
+    let [value, std] = ["value", "std"].map(|key| offset[key].as_f64().unwrap());
+    assert!((value - OFFSET_RAD).abs() < 3.0 * std && std < 0.003, "{offset}");
+    assert!(folder.read("out/improved.toml").contains("around_rad"));
 }
 
 /// A load that the held-out recording alone shows: the fitted recordings lack nothing, and no part of the answer says so of all.

@@ -61,3 +61,15 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
     };
     (0..context.joints).map(|j| Proposal::term(vec![j], term(j)).of_targets()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn play_is_crossed_where_the_load_changes_its_sign() {
+        let id = |load_nm: &[f64]| play_on_one_flank(load_nm).map(|effect| effect.id);
+        assert_eq!([id(&[3.0, 0.1]), id(&[-3.0, -0.1])], [Some("backlash"); 2]);
+        assert_eq!([id(&[3.0, -0.1]), id(&[0.0, 1.0]), id(&[])], [None; 3]);
+    }
+}
