@@ -130,12 +130,10 @@ impl SimulationError {
         }
     }
 
-    /// [`Self::Unreadable`].
     pub fn unreadable(path: impl Into<PathBuf>, reason: impl Into<String>) -> Self {
         Self::Unreadable { path: path.into(), reason: reason.into() }
     }
 
-    /// [`Self::Count`].
     pub fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
         Self::Count { what: what.into(), expected, found }
     }

@@ -43,7 +43,6 @@ pub struct Fault {
     /// True if the fault alone can explain a mismatch: so many rows are concerned, or the repair improves the fit. What is there
     /// but does not suffice belongs into the notes of a verdict.
     pub suffices: bool,
-    /// The fault in a sentence.
     pub sentence: String,
 }
 

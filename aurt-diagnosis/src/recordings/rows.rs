@@ -32,13 +32,11 @@ impl Role {
 /// The filtered, decimated rows of one recording, joint by joint, over all columns of a robot model.
 #[derive(Debug, Clone)]
 pub struct RecordingRows {
-    /// Name of the recording.
     pub name: String,
     /// Its part.
     pub role: Role,
     /// Rows per second.
     pub rate_hz: f64,
-    /// Time of each row, s.
     pub time_s: Vec<f64>,
     /// First row of each segment, and the number of rows at the end.
     pub segment_starts: Vec<usize>,
@@ -116,9 +114,7 @@ pub struct JointRows {
     pub measurement: Vec<f64>,
     /// Angle at each row, rad.
     pub position_rad: Vec<f64>,
-    /// Velocity at each row, rad/s.
     pub velocity_rad_s: Vec<f64>,
-    /// Acceleration at each row, rad/s².
     pub acceleration_rad_s2: Vec<f64>,
     /// Whether each row counts: it does not while the joint stands, where the sign of its velocity is that of
     /// noise. Rows that do not count are zero.

@@ -42,7 +42,6 @@ pub struct LearntFrom {
     /// Cases, where they were counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cases: Option<usize>,
-    /// Findings in them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub findings: Option<usize>,
     /// Findings that were right.

@@ -12,7 +12,6 @@ use crate::verdict::write::rigid_body_load;
 /// One recording of an investigation, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingSeries {
-    /// Name of the recording.
     pub name: String,
     /// Its part.
     pub role: Role,

@@ -53,7 +53,6 @@ const KEYS: [&str; 6] = ["block_s", "grid", "reference", "validate", "variant", 
 const VARIANT_KEYS: [&str; 2] = ["name", "set"];
 
 impl Definition {
-    /// Reads `[sweep]`.
     pub(crate) fn read(sweep: &Node) -> Result<Self, Vec<Complaint>> {
         let mut complaints = Vec::new();
         if !matches!(sweep.kind, NodeKind::Table(_)) {

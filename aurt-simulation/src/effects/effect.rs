@@ -71,7 +71,6 @@ pub enum Factor<'a> {
 }
 
 impl Factor<'_> {
-    /// The factor for a joint.
     #[must_use]
     pub fn on(&self, joint: usize) -> f64 {
         match self {

@@ -5,7 +5,6 @@ use aurt_traits::Motion;
 use super::torque::Torque;
 use crate::error::SimulationError;
 
-/// What drives a model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ModelDrive {
     /// Torques over time, linear between samples; the model starts where the motion does and goes where they

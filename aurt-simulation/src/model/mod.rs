@@ -53,7 +53,6 @@ pub struct MovingModel<'a> {
 /// A motion of a model, `[joint][sample]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ModelMotion {
-    /// Times, s.
     pub time_s: Vec<f64>,
     /// Angles, rad.
     pub position_rad: Vec<Vec<f64>>,

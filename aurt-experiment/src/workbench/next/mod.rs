@@ -389,7 +389,6 @@ impl<'a> Planner<'a> {
         Ok(recording.with_measurement(unknown, self.question.unit)?)
     }
 
-    /// The moments of a motion.
     fn moments(&self, trajectory: &Trajectory) -> Result<MotionMoments, Failure> {
         Ok(self.discrimination.planned(&self.recorded_motion(trajectory)?).map_err(aurt::Error::from)?)
     }
