@@ -35,7 +35,8 @@ pub struct Init {
     /// Recordings in which something may have changed, for `aurt diagnose`
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     target: Vec<PathBuf>,
-    /// Recordings that are held out; without, those of the least motion are
+    /// Recordings that are held out, of the robot as it is in the targets where there are some. Without, those of the least
+    /// motion are, or the ends of the targets
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     validation: Vec<PathBuf>,
     /// The robot: a name that `aurt robots` lists, a .urdf, or a table of modified Denavit–Hartenberg parameters (.csv)

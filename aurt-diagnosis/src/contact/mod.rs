@@ -93,8 +93,8 @@ const ALONE_S: f64 = 0.5;
 
 /// Finds contacts in recordings, the clearest first.
 ///
-/// The noise level of each joint and the background are those of all recordings together, so the recordings should
-/// belong to one robot and one fit. Windows are exact to about a row (2 rows where the filters are slow).
+/// The noise level of each joint and the background are those of all recordings together, or of a recording alone where
+/// that has more, so the recordings should belong to one robot and one fit: what is left throughout a recording is no contact. Windows are exact to about a row (2 rows where the filters are slow).
 #[must_use]
 pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -> Vec<Contact> {
     let mut usable: Vec<Vec<Vec<bool>>> = recordings.iter().map(|r| usable_rows(r, options)).collect();
@@ -154,25 +154,25 @@ fn usable_rows(recording: &ContactRows<'_>, options: &ContactOptions) -> Vec<Vec
         .collect()
 }
 
-/// Robust standard deviation of each joint's usable residuals; infinite where there are none.
-fn noise_levels(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>]) -> Vec<f64> {
+/// Robust standard deviation of each joint's usable residuals, `[recording][joint]`: that of the recording or that of all, the
+/// larger; infinite where there are none.
+fn noise_levels(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>]) -> Vec<Vec<f64>> {
     let joints = recordings.iter().map(|r| r.residual.len()).max().unwrap_or(0);
-    (0..joints)
-        .map(|j| {
-            let mut magnitudes: Vec<f64> = recordings
-                .iter()
-                .zip(usable)
-                .flat_map(|(r, u)| r.residual[j].iter().zip(&u[j]))
-                .filter(|(_, usable)| **usable)
-                .map(|(r, _)| r.abs())
-                .collect();
-            if magnitudes.is_empty() {
-                return f64::INFINITY;
-            }
-            let middle = magnitudes.len() / 2;
-            // The median of |x| of a normal variable is 0.6745 of its standard deviation.
-            let median = *magnitudes.select_nth_unstable_by(middle, f64::total_cmp).1;
-            if median > 0.0 { median / 0.674_49 } else { f64::INFINITY }
-        })
-        .collect()
+    let magnitudes = |r: usize, j: usize| -> Vec<f64> {
+        let rows = recordings[r].residual[j].iter().zip(&usable[r][j]);
+        rows.filter(|(_, usable)| **usable).map(|(e, _)| e.abs()).collect()
+    };
+    let level = |mut magnitudes: Vec<f64>| -> Option<f64> {
+        let middle = magnitudes.len() / 2;
+        let (_, median, _) =
+            (middle > 0).then(|| magnitudes.select_nth_unstable_by(middle, f64::total_cmp))?;
+        // The median of |x| of a normal variable is 0.6745 of its standard deviation.
+        (*median > 0.0).then_some(*median / 0.674_49)
+    };
+    let of_all = |j: usize| level((0..recordings.len()).flat_map(|r| magnitudes(r, j)).collect());
+    let all: Vec<Option<f64>> = (0..joints).map(of_all).collect();
+    let of_one = |r: usize, j: usize| {
+        all[j].map_or(f64::INFINITY, |all| level(magnitudes(r, j)).map_or(all, |own| own.max(all)))
+    };
+    (0..recordings.len()).map(|r| (0..joints).map(|j| of_one(r, j)).collect()).collect()
 }

@@ -36,7 +36,8 @@ pub(super) struct LinkSearch<'a> {
     link: usize,
     recordings: &'a [ContactRows<'a>],
     usable: &'a [Vec<Vec<bool>>],
-    sigma: &'a [f64],
+    /// Noise levels, `[recording][joint]`.
+    sigma: &'a [Vec<f64>],
     prefixes: Vec<Prefix>,
 }
 
@@ -45,12 +46,13 @@ impl<'a> LinkSearch<'a> {
         link: usize,
         recordings: &'a [ContactRows<'a>],
         usable: &'a [Vec<Vec<bool>>],
-        sigma: &'a [f64],
+        sigma: &'a [Vec<f64>],
     ) -> Self {
         let prefixes = recordings
             .iter()
             .zip(usable)
-            .map(|(r, u)| Prefix::new(&r.forces[link], r.residual, u, sigma))
+            .zip(sigma)
+            .map(|((r, u), sigma)| Prefix::new(&r.forces[link], r.residual, u, sigma))
             .collect();
         Self { link, recordings, usable, sigma, prefixes }
     }
@@ -115,7 +117,7 @@ impl<'a> LinkSearch<'a> {
             &recording.forces[self.link],
             recording.residual,
             &self.usable[r],
-            self.sigma,
+            &self.sigma[r],
             span,
         );
         let most = by_joint.iter().copied().fold(0.0, f64::max);

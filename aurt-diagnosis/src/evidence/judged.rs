@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, evaluate_all};
+use crate::evidence::given::GivenCovariance;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::Switch;
 use crate::noise::floor::{bounded, noise_floor};
@@ -56,13 +57,21 @@ impl Judged {
             .collect::<Result<Vec<_>, _>>()?;
         let data: Vec<&Preprocessed> = question.recordings.iter().map(|r| &r.data.data).collect();
         hold_to_reference(&mut noise, &data, |r| own_rows[r].role == Role::Calibration);
+        let given = question.frozen.and_then(GivenCovariance::of);
         let mut floors = Vec::new();
         let mut notes = Vec::new();
         let mut noise_exceeds_all = false;
         for ((recording, rows), noise) in question.recordings.iter().zip(&own_rows).zip(&noise) {
             let mut floor = noise_floor(noise, &recording.data.data, rows)?;
             noise_exceeds_all |= exceeds_all(rows, &floor);
-            notes.extend(bounded(&rows.name, &mut floor, &left(question, &baseline, rows), question.names()));
+            let left = left(question, &baseline, rows);
+            notes.extend(bounded(&rows.name, &mut floor, &left, question.names()));
+            for (j, (floor, left)) in floor.iter_mut().zip(left).enumerate().filter(|_| given.is_some()) {
+                let own = question.model.row_columns(j);
+                let off = given.as_ref().map_or(0.0, |given| given.sum_of_squares(&rows.joints[j], own));
+                let counted = rows.joints[j].counted(0, rows.rows()).max(1.0);
+                *floor = left.map_or(*floor, |left| left.min(*floor + off / counted));
+            }
             floors.push(floor);
         }
         Ok(Self { baseline, own_rows, floors, noise, noise_exceeds_all, notes })

@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod chance;
 pub(crate) mod decidable;
 pub(crate) mod deviations;
+pub(crate) mod given;
 pub(crate) mod gram;
 pub(crate) mod judge;
 pub(crate) mod judged;

@@ -1,3 +1,6 @@
+use std::sync::Arc;
+
+use crate::evidence::given::GivenCovariance;
 use crate::evidence::gram::{BlockMoments, Moments, dot};
 use crate::evidence::linear::{Cholesky, solve_signed_from};
 use crate::hypotheses::group::Switch;
@@ -12,6 +15,8 @@ pub struct Problem {
     pub(super) training: Vec<[Vec<Moments>; 2]>,
     local: Vec<Vec<usize>>,
     pub(super) joints: usize,
+    /// What the coefficients of a given model may be off by.
+    pub(crate) given: Option<Arc<GivenCovariance>>,
 }
 
 /// A column of a model among those of a joint's rows.
@@ -76,7 +81,7 @@ impl Problem {
             })
             .collect();
         let training = (0..moments.parts.len()).map(|b| moments.without(b)).collect();
-        Self { moments, training, local, joints }
+        Self { moments, training, local, joints, given: None }
     }
 
     /// Number of blocks.

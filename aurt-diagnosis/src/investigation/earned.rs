@@ -277,7 +277,12 @@ impl<'a> Trial<'a> {
             product
         };
         let size = along(&self.whole.fit.coefficients);
-        if size > 0.0 { size / self.whole.resampled.std(along).max(f64::MIN_POSITIVE) } else { 0.0 }
+        let of_given = self.whole.of_given.as_ref().map_or(0.0, |covariance| {
+            let columns = covariance.chunks_exact(self.whole.switches.len());
+            along(&columns.map(along).collect::<Vec<_>>()).max(0.0)
+        });
+        let deviation = self.whole.resampled.std(along).hypot(of_given.sqrt());
+        if size > 0.0 { size / deviation.max(f64::MIN_POSITIVE) } else { 0.0 }
     }
 
     /// What the rows that confirm say against one of it.

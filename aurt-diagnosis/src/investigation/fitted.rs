@@ -25,6 +25,8 @@ pub(crate) struct Fitted {
     pub(crate) deviations: Vec<f64>,
     /// The same model fitted without one block of time after the other.
     pub(crate) resampled: Resampled,
+    /// The covariance that a given model's has beside it, column-major; it is part of the deviations.
+    pub(crate) of_given: Option<Vec<f64>>,
 }
 
 impl Fitted {
@@ -43,8 +45,13 @@ impl Fitted {
     ) -> Self {
         let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
-        let deviations = resampled.deviations(&fit, independent_share);
-        Self { switches, fit, weights, deviations, resampled }
+        let mut deviations = resampled.deviations(&fit, independent_share);
+        let of_given = problem.given.as_ref().map(|given| given.beside(problem, &switches, &weights));
+        for (k, deviation) in deviations.iter_mut().enumerate() {
+            let variance = of_given.as_ref().map_or(0.0, |c| c[k * (switches.len() + 1)].max(0.0));
+            *deviation = deviation.hypot(variance.sqrt());
+        }
+        Self { switches, fit, weights, deviations, resampled, of_given }
     }
 
     /// The coefficients of the model's own columns: those of a baseline, and the fitted ones where these were fitted.

@@ -1,9 +1,12 @@
 //! Selection, and what it is made from.
 
+use std::sync::Arc;
+
 use aurt_plugins::Registry;
 
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::decidable::groups;
+use crate::evidence::given::GivenCovariance;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
 use crate::hypotheses::candidates::Candidate;
@@ -42,7 +45,8 @@ pub(super) struct Selected {
 
 impl Parts<'_> {
     pub(super) fn select(&mut self, rows: &mut [RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
-        let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
+        let mut problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
+        problem.given = self.question.frozen.and_then(GivenCovariance::of).map(Arc::new);
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
         let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");

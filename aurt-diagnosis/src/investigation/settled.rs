@@ -62,10 +62,12 @@ impl Parts<'_> {
             selected.selection.chosen.iter().map(|c| &selected.groups[c.group]).collect();
         let is_made_of_it = |g: &&Group| g.effect.reads_model;
         let has_loads = baseline.load != LoadTorque::Literal;
-        let own_columns = has_loads && reads_load(self.question.model);
-        if baseline.frozen || groups.is_empty() || !own_columns && !groups.iter().any(is_made_of_it) {
+        // What a given model predicts was taken from the measurement.
+        let own_columns = has_loads && !baseline.frozen && reads_load(self.question.model);
+        if groups.is_empty() || !own_columns && !groups.iter().any(is_made_of_it) {
             return Ok(false);
         }
+        let roles: Vec<Role> = rows.iter().map(|r| r.role).collect();
         let laws = self.laws(&groups)?;
         for round in 0..ROUNDS {
             let own = selected.fitted.own(self.own, self.base);
@@ -73,7 +75,7 @@ impl Parts<'_> {
                 settle_law(&mut self.candidates[*law], &own, &selected.fitted);
             }
             let law = self.final_model(&laws)?;
-            let evaluated = self.evaluate_final(baseline, &law, &own, selected)?;
+            let evaluated = self.evaluate_final(baseline, (&law, &own), selected, &roles)?;
             let renewed: Vec<Renewed> = (0..evaluated.len())
                 .flat_map(|r| self.renewed((r, &evaluated[r]), &law, (own_columns, &own)))
                 .collect();
@@ -160,9 +162,9 @@ impl Parts<'_> {
     fn evaluate_final(
         &self,
         baseline: &Baseline,
-        law: &Final,
-        own: &[f64],
+        (law, own): (&Final, &[f64]),
         selected: &Selected,
+        roles: &[Role],
     ) -> Result<Vec<RecordingRows>, DiagnosisError> {
         let load = |role: Role| match baseline.load {
             LoadTorque::Literal => LoadTorque::Literal,
@@ -183,8 +185,9 @@ impl Parts<'_> {
         self.question
             .recordings
             .par_iter()
-            .map(|recording| {
-                let load = &loads[usize::from(recording.role != Role::Calibration)];
+            .zip(roles)
+            .map(|(recording, role)| {
+                let load = &loads[usize::from(*role != Role::Calibration)];
                 let fit = Fit { model: &law.model, load, coefficients: own };
                 RecordingRows::of_model(&recording.data.name, recording.role, &recording.data.data, &fit)
             })

@@ -5,6 +5,7 @@ use super::selection::{Selection, Selector};
 use crate::effects;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;
+use crate::evidence::given::GivenCovariance;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
@@ -294,4 +295,20 @@ fn a_fit_without_an_error_is_finite() {
     let rows = Rows::new(vec![recording]);
     let (fit, weights) = weighted_fit(&rows.problem, &[switch(0, false)], &[0.0]);
     assert!((fit.coefficients[0] - 2.0).abs() < 1e-9 && weights[0].is_finite(), "{fit:?}");
+}
+
+/// What is fitted beside a given model takes up what that is off by: γ = (zᵀz)⁻¹zᵀx δ.
+#[test]
+fn a_given_model_that_may_be_off_widens_what_is_fitted_beside_it() {
+    let given = GivenCovariance { n: 1, matrix: vec![0.04] };
+    let rows = Rows::new(vec![recording(Role::Target, 9, &[0.0, 0.0])]);
+    let joint = &rows.rows[0].joints[0];
+    let (x, z) = joint.data.split_at(ROWS);
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let squares = given.sum_of_squares(joint, &[0, 1]);
+    assert!((squares - 0.04 * product(x, x)).abs() < 1e-9 * squares, "{squares}");
+    let fitted = rows.partition.fitted().flat_map(|(_, start, end)| start..end);
+    let (zx, zz) = fitted.fold((0.0, 0.0), |(zx, zz), k| (zx + z[k] * x[k], zz + z[k] * z[k]));
+    let variance = given.beside(&rows.problem, &[switch(1, true)], &[1.0])[0];
+    assert!((variance - 0.04 * (zx / zz).powi(2)).abs() < 1e-9 * variance && variance > 0.0, "{variance}");
 }

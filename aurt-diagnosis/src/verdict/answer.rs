@@ -36,8 +36,9 @@ pub(crate) fn answers(
         word(investigation, &named, nameless || question.unclaimed, question)
     };
     let coincidence = coincidences(investigation);
-    match errors.change {
-        Some(left) => {
+    match &errors.change {
+        Some(joints) => {
+            let left = !joints.is_empty();
             let change = match word(&|p| !in_all(p), &Asked { left, coincidence, unclaimed: false }) {
                 // Both were fitted together, for want of a reference: what has changed can hide in that.
                 Answer::NoMismatch if investigation.undetermined => Answer::Unexplained,

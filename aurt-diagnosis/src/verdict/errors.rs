@@ -7,10 +7,10 @@ use crate::hypotheses::group::Group;
 use crate::investigation::Investigation;
 
 /// Whether a joint keeps more than its reference beside what was found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Errors {
-    /// In the targets, where recordings stand beside them.
-    pub(crate) change: Option<bool>,
+    /// In the targets, where recordings stand beside them: the joints.
+    pub(crate) change: Option<Vec<usize>>,
     /// In the recordings beside the targets, or in all there are.
     pub(crate) structure: bool,
 }
@@ -35,12 +35,18 @@ impl Errors {
         if !(has_targets && has_reference) {
             return Self {
                 change: None,
-                structure: of.structure(&whole, usize::from(!has_reference), &noise),
+                structure: !of.structure(&whole, usize::from(!has_reference), &noise).is_empty(),
             };
         }
         let usual: Vec<f64> =
             of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.powi(2).max(*n)).collect();
-        Self { change: Some(of.structure(&whole, 1, &usual)), structure: of.structure(&whole, 0, &noise) }
+        let structure = !of.structure(&whole, 0, &noise).is_empty();
+        Self { change: Some(of.structure(&whole, 1, &usual)), structure }
+    }
+
+    /// Whether the targets keep more on a joint than the robot was used to.
+    pub(crate) fn is_of_targets(&self, joint: usize) -> bool {
+        self.change.as_ref().is_some_and(|joints| joints.contains(&joint))
     }
 }
 
@@ -50,12 +56,22 @@ struct Of<'a> {
 }
 
 impl Of<'_> {
-    /// Whether a joint keeps more than its reference over the rows of a kind.
-    fn structure(&self, fit: &TotalFit, kind: usize, references: &[f64]) -> bool {
+    /// The joints that keep more than their reference over the rows of a kind.
+    fn structure(&self, fit: &TotalFit, kind: usize, references: &[f64]) -> Vec<usize> {
         let asked = |j: &usize| !self.apart.contains(j) && self.rows(kind, *j) > 0.0;
+        let left = |j: usize| match kind {
+            0 => self.left_beside_targets(fit, j),
+            _ => self.fitted_rms(fit, kind, j),
+        };
         (0..references.len())
             .filter(asked)
-            .any(|j| has_structure(self.fitted_rms(fit, kind, j).powi(2), references[j]))
+            .filter(|j| has_structure(left(*j).powi(2), references[*j]))
+            .collect()
+    }
+
+    /// What is left of the recordings beside the targets: what the targets keep bends a fit to both.
+    fn left_beside_targets(&self, fit: &TotalFit, joint: usize) -> f64 {
+        self.fitted_rms(fit, 0, joint).min(self.calibrated_rms(joint))
     }
 
     fn rows(&self, kind: usize, joint: usize) -> f64 {
@@ -83,8 +99,7 @@ impl Of<'_> {
                 } else {
                     (power(1) / power(0)).sqrt().max(1.0)
                 };
-                let left = self.fitted_rms(whole, 0, j).min(self.calibrated_rms(j));
-                (louder * left).max(self.investigation.floor[j].sqrt())
+                (louder * self.left_beside_targets(whole, j)).max(self.investigation.floor[j].sqrt())
             })
             .collect()
     }

@@ -71,9 +71,15 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let fitted_rests = rests(investigation, &investigation.rows, own, full);
     let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
     let has_claims = investigation.selection.chosen.iter().any(|c| !investigation.only_together(c.group));
-    let (remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
+    let (mut remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
+    if let Some(given) = &investigation.problem.given {
+        let off = given.rms(investigation.confirm.to_judge(), &investigation.layout);
+        let judged = remainder.into_iter().zip(off).zip(&held_out.rms_after);
+        remainder = judged.map(|((of_trees, off), rms)| of_trees.against(off, *rms)).collect();
+    }
     for (joint, of_trees) in residual.iter_mut().zip(&remainder) {
-        joint.follows = of_trees.follows.first().map(|f| f.feature.clone());
+        let follows = of_trees.follows.first().filter(|_| of_trees.rest == Rest::Something);
+        joint.follows = follows.map(|f| f.feature.clone());
         joint.follows_share =
             joint.follows.as_ref().and(of_trees.predictable).map_or(0.0, |share| share.value);
     }
@@ -88,7 +94,9 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.splice(0..0, shaking.into_iter().chain(touched));
     // Changes come first, as in the headline.
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
-    let something = residual.iter().any(|r| r.structure_left && !apart.contains(&r.joint));
+    // What the targets alone keep says nothing of the others.
+    let is_structure = |j: usize| !apart.contains(&j) && !errors.is_of_targets(j);
+    let something = residual.iter().any(|r| r.structure_left && is_structure(r.joint));
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors, something);
     let held_out_differs = differences(investigation, &fitted, &residual, &held_out, &apart);
     let answer = match answer {
@@ -160,7 +168,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .notes
             .push("the reference is the prediction of another simulator; it was not refitted".into());
     } else if investigation.baseline.frozen {
-        verdict.notes.push("the given model was used as it is; its coefficients were not refitted".into());
+        let deviations = match investigation.problem.given {
+            Some(_) => "what their deviations allow counts as noise",
+            None => "they have no known deviations and are taken as exact",
+        };
+        verdict.notes.push(format!(
+            "the given model was used as it is: its coefficients were not refitted, and {deviations}"
+        ));
     }
     verdict
 }

@@ -236,7 +236,8 @@ fn look(source: &Source, role: Option<Role>, joints: &RobotJoints) -> Result<Loo
 }
 
 /// The roles of recordings. Where none is known to validate, those without a role are split: what moves more calibrates, and at
-/// least one is held out where there are two.
+/// least one is held out where there are two. Not beside targets: what validates shows the robot as it is in these, and a
+/// diagnosis holds out the ends of them.
 fn split(looked: &[Looked], guesses: &mut Vec<String>) -> Vec<Role> {
     let motion = |l: &Looked| {
         let joints = &l.inspected.joints;
@@ -245,6 +246,10 @@ fn split(looked: &[Looked], guesses: &mut Vec<String>) -> Vec<Role> {
     };
     let mut roles: Vec<Role> = looked.iter().map(|l| l.role.unwrap_or(Role::Calibration)).collect();
     if roles.contains(&Role::Validation) {
+        return roles;
+    }
+    if roles.contains(&Role::Target) {
+        guesses.push("the diagnosis holds out the last quarter of each target".into());
         return roles;
     }
     let mut open: Vec<usize> = (0..looked.len()).filter(|k| looked[*k].role.is_none()).collect();

@@ -1,0 +1,73 @@
+//! What a given model's coefficients may be off by, and what is fitted beside them therefore.
+//!
+//! A model that is not refitted errs by X δ, where δ has the covariance P of its own calibration. That is neither noise nor
+//! anything that it lacks: residuals have xᵀPx more of mean square, and coefficients γ of columns Z that are fitted beside
+//! it take up A δ, with A = (ZᵀWZ)⁻¹ZᵀWX, so that their covariance is larger by A P Aᵀ.
+
+use aurt_calibration::Calibration;
+
+use crate::evidence::gram::dot;
+use crate::evidence::linear::Cholesky;
+use crate::evidence::problem::Problem;
+use crate::hypotheses::group::Switch;
+use crate::recordings::rows::{JointRows, Layout, RecordingRows};
+
+/// The covariance P of a given model's coefficients, n × n, which are the first columns of every model that extends it.
+#[derive(Debug, Clone)]
+pub(crate) struct GivenCovariance {
+    pub(crate) n: usize,
+    pub(crate) matrix: Vec<f64>,
+}
+
+impl GivenCovariance {
+    /// That of a calibration; `None` where it is not known. Coefficients that were not excited are taken as they are.
+    pub(crate) fn of(calibration: &Calibration) -> Option<Self> {
+        let matrix = calibration.covariance_matrix()?;
+        let known = matrix.into_iter().map(|v| if v.is_finite() { v } else { 0.0 }).collect();
+        Some(Self { n: calibration.parameters.len(), matrix: known })
+    }
+
+    /// Sum of xᵀPx over the rows of a joint, which has these `columns` of the model.
+    pub(crate) fn sum_of_squares(&self, joint: &JointRows, columns: &[usize]) -> f64 {
+        let own = || columns.iter().enumerate().filter(|(_, column)| **column < self.n);
+        let of_pair = |((a, of_a), (b, of_b)): ((usize, &usize), (usize, &usize))| {
+            let covariance = self.matrix[of_a * self.n + of_b];
+            if covariance == 0.0 { 0.0 } else { covariance * dot(joint.column(a), joint.column(b)) }
+        };
+        own().flat_map(|a| own().map(move |b| (a, b))).map(of_pair).sum::<f64>().max(0.0)
+    }
+
+    /// The root of the mean of xᵀPx of each joint over the rows that count.
+    pub(crate) fn rms(&self, recordings: &[RecordingRows], layout: &Layout) -> Vec<f64> {
+        let of_joint = |(j, columns): (usize, &Vec<usize>)| {
+            let joints = || recordings.iter().map(|r| &r.joints[j]);
+            let counted: f64 = joints().map(|joint| joint.counted(0, joint.measurement.len())).sum();
+            (joints().map(|joint| self.sum_of_squares(joint, columns)).sum::<f64>() / counted.max(1.0)).sqrt()
+        };
+        layout.rows.iter().enumerate().map(of_joint).collect()
+    }
+
+    /// The covariance A P Aᵀ of switches, column-major.
+    pub(crate) fn beside(&self, problem: &Problem, switches: &[Switch], weights: &[f64]) -> Vec<f64> {
+        let (n, m) = (self.n, switches.len());
+        let own: Vec<Switch> =
+            (0..n).map(|column| Switch { column, target_only: false, nonnegative: false }).collect();
+        let cholesky = Cholesky::new(&problem.cross(problem.total(), switches, switches, weights), m);
+        let products = problem.cross(problem.total(), switches, &own, weights);
+        // A, a column of it for each own coefficient.
+        let taken: Vec<f64> = products.chunks_exact(m.max(1)).flat_map(|c| cholesky.solve(c)).collect();
+        let mut spread = vec![0.0; m * n];
+        for (column, covariance) in spread.chunks_exact_mut(m.max(1)).zip(self.matrix.chunks_exact(n)) {
+            for (of_own, p) in taken.chunks_exact(m.max(1)).zip(covariance).filter(|(_, p)| **p != 0.0) {
+                column.iter_mut().zip(of_own).for_each(|(s, a)| *s += p * a);
+            }
+        }
+        let mut covariance = vec![0.0; m * m];
+        for (of_own, spread) in taken.chunks_exact(m.max(1)).zip(spread.chunks_exact(m.max(1))) {
+            for (b, value) in spread.iter().enumerate() {
+                of_own.iter().zip(&mut covariance[b * m..(b + 1) * m]).for_each(|(a, c)| *c += a * value);
+            }
+        }
+        covariance
+    }
+}
