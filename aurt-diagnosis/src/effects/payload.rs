@@ -160,14 +160,13 @@ fn centre(parameters: &Parameters) -> Option<String> {
     })
 }
 
-/// A load has a size, and hangs within reach of the arm.
+/// A load has a mass, and hangs within reach of the arm. Inertia without it is a rotor's.
 fn excludes(parameters: &Parameters, reach_m: f64) -> Option<String> {
     let Some(com_m) = parameters.get("com_m") else {
-        let sizes = ["first_moment_kg_m", "inertia_kg_m2"].iter().filter_map(|name| parameters.get(*name));
-        let has_size = sizes.flat_map(entries).any(|(value, std)| is_determined(value, std));
-        return (!has_size).then(|| {
-            "neither mass, first moments nor inertia of the load differ from zero by two standard deviations".into()
-        });
+        let moments = parameters.get("first_moment_kg_m").map(entries).unwrap_or_default();
+        let has_mass = moments.into_iter().any(|(value, std)| is_determined(value, std));
+        return (!has_mass)
+            .then(|| "neither mass nor first moments of the load differ from zero by two standard deviations".into());
     };
     let length = |of: &Value| -> Option<f64> {
         let squares = of.as_array()?.iter().map(|v| v.as_f64().map(|v| v * v));

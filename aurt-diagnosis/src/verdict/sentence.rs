@@ -2,6 +2,8 @@
 
 use aurt_calibration::with_deviation;
 
+use serde_json::Value;
+
 use crate::effects;
 use crate::request::Question;
 use crate::verdict::Finding;
@@ -27,16 +29,24 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
         .filter_map(|(name, p)| {
             let parameter = effect.and_then(|e| e.parameter(name));
             let name = parameter.map_or_else(|| name.clone(), |p| p.name_in(unit));
-            let value = p.value.as_f64()?;
-            Some(match p.std.as_f64() {
-                Some(std) => format!("{name} = {}", with_deviation(value, std)),
-                None => format!("{name} = {}", short(value)),
-            })
+            let values: Option<Vec<String>> = match (p.value.as_array(), p.std.as_array()) {
+                (Some(values), Some(stds)) if values.len() == finding.joints.len() => {
+                    values.iter().zip(stds).map(|(value, std)| number(value, std)).collect()
+                }
+                _ => number(&p.value, &p.std).map(|value| vec![value]),
+            };
+            Some(format!("{name} = {}", values?.join(", ")))
         })
         .take(4)
         .collect();
     let key = if key.is_empty() { String::new() } else { format!(" ({})", key.join(", ")) };
     format!("{title} {on} {joints}{when}{key}")
+}
+
+/// A value with its deviation, if there is one.
+fn number(value: &Value, std: &Value) -> Option<String> {
+    let value = value.as_f64()?;
+    Some(std.as_f64().map_or_else(|| short(value), |std| with_deviation(value, std)))
 }
 
 /// A value of which no deviation is known: numbers of things as they are, others to four digits.

@@ -11,6 +11,7 @@ use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::remainder::{Residual, Rest, remainders};
 use crate::request::{Question, QuestionedRecording};
+use crate::transmission::VisibleGear;
 use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
@@ -20,7 +21,7 @@ use crate::verdict::held_out::{differences, errors as errors_on_held_out};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
-    Answer, Finding, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
+    Answer, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
 use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
@@ -35,10 +36,6 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     );
     let mut effects = findings(question, investigation, &fitted);
     effects.extend(delay_finding(question, investigation));
-    effects.sort_by(|a, b| {
-        let changed = |f: &Finding| f.present_in.len() == 1 && f.present_in[0] == "target";
-        changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
-    });
     let mut residual = joint_residuals(investigation, all, fit, baseline.0, &baseline.1);
     let mut held_out = errors_on_held_out(investigation, all, fit);
     if let Some(late) = &investigation.late {
@@ -88,10 +85,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         joint.structure_left = joint.structure_left && *factor <= 1.0 || of_trees.rest == Rest::Something;
     }
     let errors = Errors::new(investigation, targets, &apart, &louder);
+    effects.extend(shaking.into_iter().chain(touched));
+    effects.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
-    effects.splice(0..0, shaking.into_iter().chain(touched));
     // Changes come first, as in the headline.
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
     // What the targets alone keep says nothing of the others.
@@ -107,7 +105,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         schema: SCHEMA,
         settings: question.selection,
         unit: question.unit,
-        gears_visible: investigation.gears_visible.clone(),
+        gears_visible: visible_beside(&residual, &investigation.gears_visible),
         joint_names: question.names().joints.to_vec(),
         link_names: question.names().links.to_vec(),
         verdict: answer,
@@ -177,6 +175,16 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         ));
     }
     verdict
+}
+
+/// The gears that would have shown: of joints that keep something nothing is said.
+fn visible_beside(residual: &[JointResidual], visible: &[VisibleGear]) -> Vec<VisibleGear> {
+    let is_open = |joint: usize| residual.iter().any(|r| r.joint == joint && r.structure_left);
+    let beside = |gear: &VisibleGear| match is_open(gear.joint) {
+        true => VisibleGear { joint: gear.joint, below_nm_rad: None, beyond_rad: None },
+        false => gear.clone(),
+    };
+    visible.iter().map(beside).collect()
 }
 
 /// That a long recording was looked at in stretches.
