@@ -2,8 +2,8 @@
 
 use std::{path::Path, sync::Arc};
 
-use crate::Experiment;
-use crate::workbench::{experiments, failure::Failure};
+use crate::workbench::failure::Failure;
+use crate::{Experiment, experiment::Recordings};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
@@ -150,11 +150,8 @@ fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
         Known::Experiment(experiment) => Some(&experiment.recordings),
         _ => None,
     };
-    let file = |r| Given::File(Box::new(experiments::source(r)));
-    recordings.into_iter().flat_map(move |recordings| {
-        let calibration = recordings.calibration.iter().map(move |r| (file(r), Role::Calibration));
-        calibration.chain(recordings.validation.iter().map(move |r| (file(r), Role::Validation)))
-    })
+    let sources = recordings.into_iter().flat_map(Recordings::fitted_and_held_out);
+    sources.map(|(source, role)| (Given::File(Box::new(source.clone())), role))
 }
 
 impl Checkup {

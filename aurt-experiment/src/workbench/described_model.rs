@@ -12,10 +12,7 @@ use aurt_rbd::{RobotDescription, carry_over};
 use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
 
-use crate::workbench::{
-    experiments::{calibration_options, check_robot_of, instrument},
-    failure::Failure,
-};
+use crate::workbench::{experiments::check_robot_of, failure::Failure};
 
 /// What a description may leave of a joint's torque in the experiment's geometry, over that torque: lengths rounded to a
 /// millimetre leave less, another arm leaves tens of percent.
@@ -138,7 +135,7 @@ fn of_description(
     let values = coefficients(described, &carried.values, &model);
     let calibration = Calibration {
         unit: MeasurementUnit::NewtonMetre,
-        options: calibration_options(experiment),
+        options: experiment.calibration,
         f_dyn_hz: experiment.preprocess.f_dyn_hz,
         parameters: exact_parameters(&model, &values),
         covariance: Vec::new(),
@@ -160,7 +157,7 @@ fn of_description(
         model,
         calibration,
         preprocessing: experiment.preprocess.clone(),
-        instrument: instrument(experiment),
+        instrument: experiment.instrument.clone(),
         origins: Origins::default(),
     })
 }

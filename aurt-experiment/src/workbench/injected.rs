@@ -1,21 +1,12 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use crate::{
-    Experiment,
-    experiment::{Geometry, RecordingSource},
-};
-use aurt::{
-    data::{Pipeline, Purpose},
-    duplicates::SampleRegister,
-};
+use crate::{Experiment, experiment::Geometry};
+use aurt::{data::Purpose, duplicates::SampleRegister};
 use aurt_files::escaped;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
-use crate::workbench::{
-    experiments::{instrument, source},
-    failure::Failure,
-};
+use crate::workbench::failure::Failure;
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
 pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
@@ -32,22 +23,10 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
             "leave out the arm term and the recordings that have it",
         ));
     }
-    let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
-    let pipeline = Pipeline {
-        joints: experiment.robot.robot_joints(),
-        preprocessing: &preprocessing,
-        instrument: &instrument,
-    };
-    let parts = &experiment.recordings;
-    let mut sources: Vec<&RecordingSource> = Vec::new();
-    for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
-        if !sources.iter().any(|s| s.is_the_same_as(source)) {
-            sources.push(source);
-        }
-    }
+    let pipeline = experiment.pipeline();
+    let sources = experiment.recordings.each_once().into_iter();
     let loaded = sources
-        .iter()
-        .map(|s| pipeline.read(source(s), Purpose::Validation))
+        .map(|source| pipeline.read(source.clone(), Purpose::Validation))
         .collect::<Result<Vec<_>, _>>()?;
     SampleRegister::check(loaded.iter().map(|loaded| (loaded, "recordings")))?;
     let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();

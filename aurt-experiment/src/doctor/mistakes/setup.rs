@@ -5,11 +5,11 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use crate::workbench::{experiments, failure::Failure};
+use crate::workbench::failure::Failure;
 use crate::{Experiment, experiment::Geometry};
 use aurt::{
     Role,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
     fitting::Assigned,
 };
 use aurt_calibration::{NamedRecording, TermScopes};
@@ -122,7 +122,7 @@ impl Subject {
             gravity_m_s2: experiment.robot.gravity_m_s2,
             recordings,
             preprocessing: experiment.preprocess.clone(),
-            instrument: experiments::instrument(experiment),
+            instrument: experiment.instrument.clone(),
             arm_terms: experiment.arm_terms.clone(),
             scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
         })
@@ -153,20 +153,12 @@ fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
 
 /// Reads what an experiment calibrates and validates on.
 pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
-    let recordings = &experiment.recordings;
-    let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
-    let validation = recordings.validation.iter().map(|r| (r, Role::Validation));
-    calibration
-        .chain(validation)
-        .map(|(source, role)| {
-            let loaded = Loaded::read(
-                experiments::source(source),
-                Some(&experiment.robot.robot_joints()),
-                Purpose::Calibration,
-            )?;
-            Ok(Assigned { loaded, role })
-        })
-        .collect()
+    let joints = experiment.robot.robot_joints();
+    let read = |(source, role): (&Source, Role)| {
+        let loaded = Loaded::read(source.clone(), Some(&joints), Purpose::Calibration)?;
+        Ok(Assigned { loaded, role })
+    };
+    experiment.recordings.fitted_and_held_out().map(read).collect()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

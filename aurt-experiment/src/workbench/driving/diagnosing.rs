@@ -42,7 +42,7 @@ pub fn diagnose_drives(
     if let Some(target) = experiment.recordings.target.first() {
         let reason = format!(
             "{} is a target; positions of servo arms are not compared between recordings",
-            target.written
+            target.label
         );
         let remedy = "list it under `calibration` in an experiment of its own, and compare what its drives and joints need";
         return Err(Failure::unfit(&experiment.path, reason, remedy));

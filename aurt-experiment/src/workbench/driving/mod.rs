@@ -2,7 +2,7 @@
 
 use std::{fmt::Write, path::Path};
 
-use crate::{Experiment, experiment::RecordingSource};
+use crate::Experiment;
 use aurt::{
     Progress, Role,
     data::{Loaded, Purpose, Source},
@@ -20,7 +20,7 @@ use aurt_traits::{Command, MeasurementUnit, RobotNames};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::workbench::{experiments::source, failure::Failure};
+use crate::workbench::failure::Failure;
 
 mod checking;
 mod diagnosing;
@@ -173,17 +173,14 @@ fn read_all(
     progress: &Progress,
 ) -> Result<Vec<Read>, Failure> {
     let joints = experiment.robot.robot_joints();
-    let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
-    let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
-    let listed: Vec<(&RecordingSource, bool)> = listed.collect();
+    let listed: Vec<(&Source, Role)> = experiment.recordings.fitted_and_held_out().collect();
     refuse_overlap(experiment, &listed)?;
     let mut recordings = Vec::new();
     let mut samples = SampleRegister::default();
-    for (recording, held_out) in listed {
-        progress.step(format!("reading {}", recording.written));
-        let read = read(source(recording), &joints, arm)?;
+    for (source, role) in listed {
+        progress.step(format!("reading {}", source.label));
+        let read = read(source.clone(), &joints, arm)?;
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
-        let role = if held_out { Role::Validation } else { Role::Calibration };
         samples.add(&UsedSeries {
             label: &read.label,
             role: role.name(),
@@ -192,24 +189,24 @@ fn read_all(
             measured: &read.recording.position_rad,
             rows: 0..read.recording.time_s.len(),
         })?;
-        recordings.push(Read { held_out, ..read });
+        recordings.push(Read { held_out: role == Role::Validation, ..read });
     }
     Ok(recordings)
 }
 
 /// Refuses rows that are listed twice: held out and fitted they judge nothing, fitted twice they count twice.
-fn refuse_overlap(experiment: &Experiment, listed: &[(&RecordingSource, bool)]) -> Result<(), Failure> {
-    let file = |r: &RecordingSource| std::fs::canonicalize(&r.file).unwrap_or_else(|_| r.file.clone());
-    let window = |r: &RecordingSource| r.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    for (k, (later, held_out)) in listed.iter().enumerate() {
-        let overlaps = |(earlier, _): &&(&RecordingSource, bool)| {
+fn refuse_overlap(experiment: &Experiment, listed: &[(&Source, Role)]) -> Result<(), Failure> {
+    let file = |r: &Source| std::fs::canonicalize(&r.file).unwrap_or_else(|_| r.file.clone());
+    let window = |r: &Source| r.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    for (k, (later, role)) in listed.iter().enumerate() {
+        let overlaps = |(earlier, _): &&(&Source, Role)| {
             let ([begin, end], [other_begin, other_end]) = (window(later), window(earlier));
             let is_same = file(later) == file(earlier) && later.recorded.take == earlier.recorded.take;
             is_same && begin.max(other_begin) < end.min(other_end)
         };
-        let Some((_, fitted_too)) = listed[..k].iter().find(overlaps) else { continue };
-        let both = if held_out == fitted_too { "twice" } else { "fitted and held out" };
-        let reason = format!("rows of {} are listed {both}", later.written);
+        let Some((_, other_role)) = listed[..k].iter().find(overlaps) else { continue };
+        let both = if role == other_role { "twice" } else { "fitted and held out" };
+        let reason = format!("rows of {} are listed {both}", later.label);
         let remedy = "list other recordings, or parts that do not overlap with `window_s`";
         return Err(Failure::unfit(&experiment.path, reason, remedy));
     }

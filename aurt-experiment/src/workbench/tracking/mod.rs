@@ -26,10 +26,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use self::{follower::Follower, running::Running};
-use crate::workbench::{
-    experiments::{check_robot_of, source},
-    failure::Failure,
-};
+use crate::workbench::{experiments::check_robot_of, failure::Failure};
 
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackOptions {
@@ -151,8 +148,8 @@ pub fn track(
     if let LoadTorque::Fitted(weights) = &mut load {
         weights.resize(model.parameters().len(), 0.0);
     }
-    let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
-    let sources: Vec<Source> = sources.map(source).collect();
+    let sources = experiment.recordings.fitted_and_held_out();
+    let sources: Vec<Source> = sources.map(|(source, _)| source.clone()).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
     // Recordings of each motion, and the joints of each whose rows do not count.
     let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
