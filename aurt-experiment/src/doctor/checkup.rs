@@ -315,19 +315,9 @@ impl Seen {
     }
 
     fn page(&self) -> Page {
-        let findings = self.findings();
-        Checked {
-            name: self.one.label(),
-            recording: &self.one.loaded.recording,
-            prepared: &self.one.prepared,
-            joints: &self.one.joints,
-            excited: self.judged.as_ref().map(Judged::named),
-            findings: &findings,
-            notes: &self.one.notes(),
-            suitable_f_dyn_hz: self.one.suitable_f_dyn_hz(),
-            document: &self.to_json(),
-        }
-        .page()
+        let (findings, document) = (self.findings(), self.to_json());
+        let (one, judged) = (&self.one, self.judged.as_ref());
+        Checked { one, judged, findings: &findings, document: &document }.page()
     }
 }
 

@@ -7,6 +7,7 @@ use aurt_diagnosis::RecordingFaults;
 use aurt_recording::{Preprocessed, RecordedAs, Segment, StampUnit, TimeUnit};
 use aurt_report::rendering::{
     style::{Emphasis, Style},
+    table::Table,
     text::wrapped,
 };
 use aurt_traits::{ModelError, Motion, RobotNames};
@@ -142,9 +143,13 @@ impl Inspected {
             }
         );
         text.extend(self.notes().iter().map(|n| wrapped(n)));
-        let [motion, sensors] = tables(&self.joints, unit, self.names());
-        text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
-        text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
+        let left = usize::from(!self.names().joints.is_empty());
+        let tables = tables(&self.joints, unit, self.names());
+        for (what, (headings, rows)) in ["motion", "sensors: steps and white noise"].into_iter().zip(tables) {
+            let mut table = Table::new(headings).left(left);
+            rows.into_iter().for_each(|row| table.row(row));
+            text.push_str(&format!("\n{}\n{}", title(what), table.render()));
+        }
         if let Some(judged) = judged {
             text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
         }

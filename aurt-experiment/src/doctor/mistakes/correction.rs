@@ -25,7 +25,7 @@ pub fn corrected(
         experiment.source_text.parse().map_err(|e: toml_edit::TomlError| refuse(e.message().to_owned()))?;
     let mut left = Vec::new();
     corrected_stamps(&mut document, experiment, subject);
-    for step in &examination.steps {
+    for step in &examination.found.steps {
         if !correct(&mut document, subject, &step.mistake) {
             left.push(undone(&step.mistake, examination.names()));
         }

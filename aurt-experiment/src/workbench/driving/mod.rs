@@ -9,7 +9,8 @@ use aurt::{
     duplicates::{SampleRegister, UsedSeries},
 };
 use aurt_calibration::drives::{
-    DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error, stem,
+    DriveError, DriveRecording, DrivenArm, DrivenJoint, Options, OutputErrorFit, Selection, Undetermined,
+    output_error, stem,
 };
 use aurt_calibration::with_deviation;
 use aurt_files::output::pretty;
@@ -71,6 +72,16 @@ impl CalibratedDrive {
         Ok(Some(read))
     }
 
+    fn of(experiment: &Experiment, arm: DrivenArm) -> Self {
+        Self { drive_schema: 1, joint_names: experiment.robot.joint_names.clone(), arm }
+    }
+
+    fn to_file(&self, experiment: &Experiment) -> Result<Vec<u8>, Failure> {
+        let saved = serde_json::to_value(self);
+        let saved = saved.map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+        Ok(pretty(&saved).into_bytes())
+    }
+
     /// The joints as people read them.
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(&self.joint_names)
@@ -118,17 +129,84 @@ struct Read {
     doubts: Vec<String>,
 }
 
+/// An experiment with drives: the arm, and the recordings once they are read.
+struct Setting<'e> {
+    experiment: &'e Experiment,
+    arm: DrivenArm,
+    selection: &'e Selection,
+    options: Options,
+    recordings: Vec<Read>,
+    /// What a person should know.
+    notes: Vec<String>,
+}
+
+impl<'e> Setting<'e> {
+    /// The arm that an experiment describes.
+    fn of(experiment: &'e Experiment) -> Result<Self, Failure> {
+        let Some(drive) = &experiment.drive else {
+            let reason = "the experiment describes no drive";
+            return Err(Failure::unfit(&experiment.path, reason, "add [drive]"));
+        };
+        let robot = &experiment.robot;
+        let mut notes = robot.geometry.notes();
+        notes.extend(experiment.notes.clone());
+        let chain = robot.geometry.chain(robot.gravity_m_s2)?;
+        let standard_parameters = match robot.geometry.standard_parameters() {
+            Some(standard) => standard.to_vec(),
+            None => {
+                notes.push("the robot's description states no masses: all inertia is that of the rotors, and there is no gravity".into());
+                vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
+            }
+        };
+        let (joints, command, floor) = (drive.joints.clone(), drive.command, drive.floor);
+        Ok(Self {
+            experiment,
+            arm: DrivenArm { chain, standard_parameters, joints, command, floor },
+            selection: &drive.selection,
+            options: options_of(experiment),
+            recordings: Vec::new(),
+            notes,
+        })
+    }
+
+    fn read(&mut self, progress: &Progress) -> Result<(), Failure> {
+        self.recordings = read_all(self.experiment, &self.arm, &mut self.notes, progress)?;
+        Ok(())
+    }
+
+    fn all(&self) -> Vec<DriveRecording> {
+        self.recordings.iter().map(|r| r.recording.clone()).collect()
+    }
+
+    /// What is fitted, and what is held out.
+    fn parts(&self) -> [Vec<DriveRecording>; 2] {
+        let of = |held_out: bool| {
+            let own = self.recordings.iter().filter(move |r| r.held_out == held_out);
+            own.map(|r| r.recording.clone()).collect()
+        };
+        [of(false), of(true)]
+    }
+
+    fn failed(&self, error: &DriveError) -> Failure {
+        of_drive(error, self.experiment, &self.recordings)
+    }
+
+    fn doubts(&self) -> Vec<String> {
+        let of =
+            |r: &'_ Read| r.doubts.iter().map(|doubt| format!("{}: {doubt}", r.label)).collect::<Vec<_>>();
+        self.recordings.iter().flat_map(of).collect()
+    }
+}
+
 /// Estimates the drives of an experiment, and rolls out all its recordings.
 pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let (arm, mut notes) = arm_of(experiment)?;
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    let joints = experiment.robot.robot_joints();
-    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
+    let mut setting = Setting::of(experiment)?;
+    setting.read(progress)?;
     progress.step("simulating the closed loop");
-    let fitted: Vec<DriveRecording> =
-        recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
-    let fit = output_error(&arm, &drive.selection, &fitted, &options_of(experiment))
-        .map_err(|error| of_drive(&error, experiment, &recordings))?;
+    let [fitted, _] = setting.parts();
+    let (options, recordings, mut notes) = (&setting.options, &setting.recordings, setting.notes.clone());
+    let fit = output_error(&setting.arm, setting.selection, &fitted, options)
+        .map_err(|error| setting.failed(&error))?;
     if !fit.converged {
         notes.push(format!("the search ended after {} steps without converging", fit.iterations));
     }
@@ -148,15 +226,12 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
         }
         outcome.files.push((name, table(&read.recording, &simulated)));
     }
-    let model = CalibratedDrive { drive_schema: 1, joint_names: joints.names, arm: fit.arm.clone() };
-    let saved =
-        serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
-    outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
-    let mut doubts = doubts_of(&recordings);
-    doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad, model.names()));
-    let all: Vec<DriveRecording> = recordings.iter().map(|r| r.recording.clone()).collect();
-    let turned = gravity::upside_down(&fit.arm, &all, &options_of(experiment));
-    doubts.extend(turned.map_err(|error| of_drive(&error, experiment, &recordings))?);
+    let model = CalibratedDrive::of(experiment, fit.arm.clone());
+    outcome.files.push((DRIVE_FILE.to_owned(), model.to_file(experiment)?));
+    let mut doubts = setting.doubts();
+    doubts.extend(doubts::of_rollouts(&judged, options.deviation_rad, model.names()));
+    let turned = gravity::upside_down(&fit.arm, &setting.all(), options);
+    doubts.extend(turned.map_err(|error| setting.failed(&error))?);
     outcome.findings = !doubts.is_empty();
     outcome.text = text(&fit, &judged, &notes, model.names()) + &warnings(&doubts);
     outcome.json = to_json(&fit, &judged, &notes);
@@ -222,28 +297,6 @@ fn options_of(experiment: &Experiment) -> Options {
     }
 }
 
-/// The arm that an experiment describes, and what to note of it.
-fn arm_of(experiment: &Experiment) -> Result<(DrivenArm, Vec<String>), Failure> {
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    let robot = &experiment.robot;
-    let mut notes = robot.geometry.notes();
-    notes.extend(experiment.notes.clone());
-    let chain = robot.geometry.chain(robot.gravity_m_s2)?;
-    let standard_parameters = match robot.geometry.standard_parameters() {
-        Some(standard) => standard.to_vec(),
-        None => {
-            notes.push("the robot's description states no masses: all inertia is that of the rotors, and there is no gravity".into());
-            vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
-        }
-    };
-    let (joints, command, floor) = (drive.joints.clone(), drive.command, drive.floor);
-    Ok((DrivenArm { chain, standard_parameters, joints, command, floor }, notes))
-}
-
-fn without_drive(experiment: &Experiment) -> Failure {
-    Failure::unfit(&experiment.path, "the experiment describes no drive", "add [drive]")
-}
-
 fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) -> Failure {
     let fitted: Vec<&Read> = recordings.iter().filter(|r| !r.held_out).collect();
     match error {
@@ -295,12 +348,39 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     })
 }
 
-fn doubts_of(recordings: &[Read]) -> Vec<String> {
-    recordings.iter().flat_map(|r| r.doubts.iter().map(|doubt| format!("{}: {doubt}", r.label))).collect()
-}
-
 fn warnings(doubts: &[String]) -> String {
     doubts.iter().map(|doubt| format!("warning: {doubt}\n")).collect()
+}
+
+fn note_lines(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("note: {note}\n")).collect()
+}
+
+/// What recordings leave open, each with its end of the line.
+fn open_lines(undetermined: &[Undetermined], end: impl Fn(&Undetermined) -> String) -> String {
+    let lines: String = undetermined.iter().map(|open| format!("  {open}{}\n", end(open))).collect();
+    if lines.is_empty() { lines } else { format!("\nleft open by these recordings\n{lines}") }
+}
+
+/// From this size on a limit is none.
+const UNLIMITED: f64 = 1e9;
+
+/// A number of a joint's drive by its key.
+fn number_of(joint: &DrivenJoint, key: &str) -> Option<f64> {
+    joint.drive.parameters().iter().find(|p| p.parameter.name == key).map(|p| p.value)
+}
+
+/// The braking of a joint's drive: K_d, which acts within the limit of its torque, and K_e, behind it.
+fn braking(joint: &DrivenJoint) -> [f64; 2] {
+    let keys = match joint.drive.name() {
+        "pd_law" => ["damping_nm_s_per_rad", ""],
+        _ => ["firmware_damping_nm_s_per_rad", "back_emf_nm_s_per_rad"],
+    };
+    keys.map(|key| number_of(joint, key).unwrap_or(0.0))
+}
+
+fn values(arm: &DrivenArm) -> Vec<f64> {
+    arm.numbers().iter().map(|n| n.value).collect()
 }
 
 fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {
@@ -414,10 +494,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String], names: RobotN
         table.row([of_joint(&number.name, names), value, number.unit.to_string(), bound.to_owned()]);
     }
     text.push_str(&table.render());
-    if !fit.undetermined.is_empty() {
-        text.push_str("\nleft open by these recordings\n");
-        fit.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
-    }
+    text.push_str(&open_lines(&fit.undetermined, |_| String::new()));
     text.push_str("\nrollout from the command alone, rms of the position by joint in 1e-3 rad or mm\n");
     if !names.joints.is_empty() {
         let joints: Vec<usize> = (0..names.joints.len()).collect();
@@ -441,8 +518,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String], names: RobotN
             let _ = writeln!(text, "  {name}, all samples: {:.2}{command}", 1e3 * all);
         }
     }
-    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-    text
+    text + &note_lines(notes)
 }
 
 fn to_json(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> Value {
