@@ -11,56 +11,47 @@ use aurt_report::{
     },
     subsample,
 };
-use serde_json::Value;
 
 use crate::doctor::inspection::{inspected::Inspected, joints::tables, judged::Judged};
+use crate::workbench::reports::section;
 
 /// The column of the motion that says how long a joint moves.
 const MOVING: usize = 5;
 
-/// A recording, what its motion excites where the geometry is known, and what should be heeded of it.
-pub struct Checked<'a> {
-    pub one: &'a Inspected,
-    pub judged: Option<&'a Judged>,
-    pub findings: &'a [String],
-    pub document: &'a Value,
-}
-
-impl Checked<'_> {
+impl Inspected {
     pub fn page(&self) -> Page {
         let mut sections = vec![self.series(), self.coverage(), self.tables()];
-        if let Some(judged) = self.judged {
+        if let Some(judged) = &self.judged {
             sections.insert(0, excitation(judged));
         }
         let mut provenance = parts::program("check");
-        provenance.extend(self.one.notes().into_iter().map(|n| parts::entry("Recording", n)));
+        provenance.extend(self.notes().into_iter().map(|n| parts::entry("Recording", n)));
         Page {
-            title: format!("Check of {}", file_name(self.one.label())),
+            title: format!("Check of {}", file_name(self.label())),
             verdict: self.verdict(),
             sections,
             provenance,
-            results_json: pretty(self.document),
+            results_json: pretty(&self.to_json()),
         }
     }
 
     fn verdict(&self) -> Verdict {
-        let recording = &self.one.loaded.recording;
+        let recording = &self.loaded.recording;
         let is_measured = recording.measurement.is_some();
         let facts = format!(
             "{} samples over {} s, {} joints{}.",
             recording.samples(),
             significant(recording.duration_s(), 4),
-            self.one.joints.len(),
+            self.joints.len(),
             if is_measured { "" } else { ", without measurement" }
         );
-        let mut sentences: Vec<String> = self.findings.to_vec();
+        let findings = self.findings();
+        let mut sentences = findings.clone();
         sentences.push(facts);
         sentences.extend(
-            self.one
-                .suitable_f_dyn_hz()
-                .map(|f| format!("For an experiment on such motions: f_dyn_hz = {f}.")),
+            self.suitable_f_dyn_hz().map(|f| format!("For an experiment on such motions: f_dyn_hz = {f}.")),
         );
-        if self.findings.is_empty() {
+        if findings.is_empty() {
             let headline = if is_measured {
                 "Ready to calibrate on this recording".into()
             } else {
@@ -68,7 +59,7 @@ impl Checked<'_> {
             };
             Verdict { tone: Tone::Good, headline, sentences }
         } else {
-            let headline = match self.findings.len() {
+            let headline = match findings.len() {
                 1 => "One finding before calibrating on this recording".into(),
                 n => format!("{n} findings before calibrating on this recording"),
             };
@@ -78,9 +69,9 @@ impl Checked<'_> {
 
     /// Time since the first stamp, first samples of stretches, and a series of every stretch.
     fn on_grid<'s>(&'s self, of: impl Fn(usize) -> &'s [f64]) -> (Vec<f64>, Vec<usize>, Vec<f64>) {
-        let origin = self.one.loaded.recording.time_s.first().copied().unwrap_or(0.0);
+        let origin = self.loaded.recording.time_s.first().copied().unwrap_or(0.0);
         let (mut time, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
-        for (k, segment) in self.one.prepared.segments.iter().enumerate() {
+        for (k, segment) in self.prepared.segments.iter().enumerate() {
             starts.push(time.len());
             time.extend(segment.motion.view().time_s().iter().map(|t| t - origin));
             values.extend_from_slice(of(k));
@@ -89,11 +80,11 @@ impl Checked<'_> {
     }
 
     fn series(&self) -> Section {
-        let unit = self.one.loaded.recording.unit;
-        let points = points_per_series(3 * self.one.joints.len());
-        let blocks = (0..self.one.joints.len())
+        let unit = self.loaded.recording.unit;
+        let points = points_per_series(3 * self.joints.len());
+        let blocks = (0..self.joints.len())
             .map(|j| {
-                let motion = |k: usize| self.one.prepared.segments[k].motion.view();
+                let motion = |k: usize| self.prepared.segments[k].motion.view();
                 let (time, starts, position) = self.on_grid(|k| motion(k).position_rad(j));
                 let (_, _, velocity) = self.on_grid(|k| motion(k).velocity_rad_s(j));
                 let series = |style, values| vec![Series { name: "", style, values }];
@@ -102,7 +93,6 @@ impl Checked<'_> {
                     (Axis::new("velocity", "rad/s"), series(Style::After, velocity.as_slice())),
                 ];
                 let raw: Option<Vec<f64>> = self
-                    .one
                     .prepared
                     .segments
                     .iter()
@@ -116,9 +106,9 @@ impl Checked<'_> {
                         series(Style::Measured, raw.as_slice()),
                     ));
                 }
-                let moves = if self.one.joints[j].moves() { "" } else { ", at rest" };
+                let moves = if self.joints[j].moves() { "" } else { ", at rest" };
                 let figure = TimeFigure {
-                    title: format!("{}{moves}", self.one.names().joint(j)),
+                    title: format!("{}{moves}", self.names().joint(j)),
                     name: format!("recording_joint_{j}"),
                     caption: String::new(),
                     time_s: &time,
@@ -128,20 +118,18 @@ impl Checked<'_> {
                     link: "recording".into(),
                 };
                 Block::Folded {
-                    title: format!("{}{moves}", self.one.names().joint(j)),
-                    open: self.one.joints[j].moves(),
+                    title: format!("{}{moves}", self.names().joint(j)),
+                    open: self.joints[j].moves(),
                     blocks: vec![Block::Figure(figure.figure(points))],
                 }
             })
             .collect();
-        Section {
-            title: "Motion and measurement".into(),
-            introduction:
-                "On the uniform grid; positions filtered, the measurement as it is. Drag over a stretch to \
-                           look closer, double-click for all."
-                    .into(),
+        section(
+            "Motion and measurement",
+            "On the uniform grid; positions filtered, the measurement as it is. Drag over a stretch to \
+                           look closer, double-click for all.",
             blocks,
-        }
+        )
     }
 
     fn coverage(&self) -> Section {
@@ -160,49 +148,43 @@ impl Checked<'_> {
             let (caption, link) = (String::new(), None);
             Figure::Plot(Plot { title, name, caption, x: x.0, panels: vec![panel], link, small: true })
         };
-        let figures = (0..self.one.joints.len())
-            .filter(|j| self.one.joints[*j].moves())
+        let figures = (0..self.joints.len())
+            .filter(|j| self.joints[*j].moves())
             .map(|j| {
-                let motion = |k: usize| self.one.prepared.segments[k].motion.view();
+                let motion = |k: usize| self.prepared.segments[k].motion.view();
                 let position = self.on_grid(|k| motion(k).position_rad(j)).2;
                 let velocity = self.on_grid(|k| motion(k).velocity_rad_s(j)).2;
                 cloud(
-                    self.one.names().joint(j),
+                    self.names().joint(j),
                     format!("coverage_joint_{j}"),
                     (Axis::new("position", "rad"), position),
                     (Axis::new("velocity", "rad/s"), velocity),
                 )
             })
             .collect();
-        Section {
-            title: "What the motion covers".into(),
-            introduction:
-                "Velocity over position of every joint that moves. Friction models need both directions and \
-                           slow as well as fast motion; gravity needs different positions."
-                    .into(),
-            blocks: vec![Block::Figures(figures)],
-        }
+        section(
+            "What the motion covers",
+            "Velocity over position of every joint that moves. Friction models need both directions and \
+                           slow as well as fast motion; gravity needs different positions.",
+            vec![Block::Figures(figures)],
+        )
     }
 
     fn tables(&self) -> Section {
-        let unit = self.one.loaded.recording.unit;
-        let [motion, sensors] = tables(&self.one.joints, unit, self.one.names());
+        let unit = self.loaded.recording.unit;
+        let [motion, sensors] = tables(&self.joints, unit, self.names());
         let block = |caption: &str, (mut headings, rows): (Vec<String>, Vec<Vec<String>>)| {
-            headings[0] = joint_column(self.one.names()).to_owned();
+            headings[0] = joint_column(self.names()).to_owned();
             let mut table = Table::new(caption, headings);
             rows.into_iter().for_each(|row| table.row(row));
             table
         };
         let mut motion = block("motion", motion);
-        for (row, joint) in motion.rows.iter_mut().zip(&self.one.joints) {
+        for (row, joint) in motion.rows.iter_mut().zip(&self.joints) {
             row[MOVING].strong = !joint.moves();
         }
         let sensors = block("sensors: steps and white noise", sensors);
-        Section {
-            title: "Joints and sensors".into(),
-            introduction: String::new(),
-            blocks: vec![Block::Table(motion), Block::Table(sensors)],
-        }
+        section("Joints and sensors", "", vec![Block::Table(motion), Block::Table(sensors)])
     }
 }
 
@@ -259,5 +241,5 @@ fn excitation(judged: &Judged) -> Section {
             blocks: vec![Block::Table(table)],
         });
     }
-    Section { title: "Which parameters this motion determines".into(), introduction: String::new(), blocks }
+    section("Which parameters this motion determines", "", blocks)
 }

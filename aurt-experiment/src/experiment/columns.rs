@@ -43,8 +43,7 @@ pub(super) fn columns(mut table: Section<'_, '_>, needed: &[(&'static str, &str)
 
 fn joint_columns(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<ColumnsRef> {
     let NodeKind::Array(items) = &node.kind else {
-        let message = format!("expects [first, last] or one column per joint, found {}", node.kind_name());
-        table.complain(key, node, &message, None);
+        table.expected(key, node, "[first, last] or one column per joint");
         return None;
     };
     let names: Option<Vec<&str>> = items.iter().map(Node::as_str).collect();

@@ -114,7 +114,7 @@ fn read_floor(mut section: Section<'_, '_>) -> Floor {
 fn keys(section: &mut Section<'_, '_>, key: &str, known: &[String]) -> Vec<String> {
     let Some(node) = section.take(key) else { return Vec::new() };
     let NodeKind::Array(items) = &node.kind else {
-        section.complain(key, node, &format!("expects a list of keys, found {}", node.kind_name()), None);
+        section.expected(key, node, "a list of keys");
         return Vec::new();
     };
     items.iter().filter_map(|item| is_known(section, key, item, section.text_of(key, item)?, known)).collect()

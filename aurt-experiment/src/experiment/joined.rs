@@ -18,9 +18,7 @@ pub(super) fn take(table: &mut Section<'_, '_>, has_positions: bool) -> Option<V
     let key = "take";
     let node = table.take(key)?;
     let NodeKind::Array(items) = &node.kind else {
-        let message =
-            format!("expects a list such as [\"position\", \"velocity\"], found {}", node.kind_name());
-        table.complain(key, node, &message, None);
+        table.expected(key, node, "a list such as [\"position\", \"velocity\"]");
         return None;
     };
     let mut quantities = Vec::new();

@@ -243,15 +243,10 @@ fn read_schema(top: &mut Section<'_, '_>) {
     match node.kind {
         NodeKind::Integer(SCHEMA) => {}
         NodeKind::Integer(n) => {
-            let help = format!("this program reads schema {SCHEMA}");
-            top.complain(
-                "schema",
-                node,
-                &format!("is {n}, another version of the experiment file"),
-                Some(help),
-            );
+            let message = format!("is {n}, another version of the experiment file");
+            top.complain("schema", node, &message, Some(format!("this program reads schema {SCHEMA}")));
         }
-        _ => top.complain("schema", node, &format!("expects {SCHEMA}, found {}", node.kind_name()), None),
+        _ => top.expected("schema", node, &SCHEMA.to_string()),
     }
 }
 
@@ -270,12 +265,7 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
                     libraries.push(path);
                 }
             }
-            _ => section.complain(
-                "libraries",
-                node,
-                &format!("expects a list of files, found {}", node.kind_name()),
-                None,
-            ),
+            _ => section.expected("libraries", node, "a list of files"),
         }
     }
     section.finish();

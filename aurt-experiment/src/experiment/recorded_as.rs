@@ -72,8 +72,7 @@ pub(super) fn joint_names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<
 /// Names of joints or links, none of them empty or there twice.
 pub(super) fn names(section: &Section<'_, '_>, key: &str, of: &str, node: &Node) -> Option<Vec<String>> {
     let NodeKind::Array(items) = &node.kind else {
-        let found = format!("expects a list of names, found {}", node.kind_name());
-        section.complain(key, node, &found, None);
+        section.expected(key, node, "a list of names");
         return None;
     };
     let names: Vec<Option<&str>> = items.iter().map(|item| section.text_of(key, item)).collect();

@@ -116,7 +116,7 @@ impl<'n, 'r> Section<'n, 'r> {
         self.reader.complain(complaint);
     }
 
-    fn expected(&self, key: &str, at: &Node, what: &str) {
+    pub(super) fn expected(&self, key: &str, at: &Node, what: &str) {
         self.complain(key, at, &format!("expects {what}, found {}", at.kind_name()), None);
     }
 

@@ -188,16 +188,11 @@ pub(super) fn model(
         let level = if friction.coulomb_nm == 0.0 { "absent" } else { "constant" };
         let powers: &[u32] = if friction.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
         let viscous = json!({ "model": "polynomial", "powers": powers });
-        JointStack::new(
-            registry
-                .build_from_json(&json!({ "model": level }))
-                .map_err(aurt_plugins::model::Error::Build)?,
-            registry
-                .build_from_json(&json!({ "model": "sign" }))
-                .map_err(aurt_plugins::model::Error::Build)?,
-            registry.build_from_json(&viscous).map_err(aurt_plugins::model::Error::Build)?,
-        )
-        .map_err(Into::into)
+        Ok(JointStack::new(
+            registry.build_from_json(&json!({ "model": level }))?,
+            registry.build_from_json(&json!({ "model": "sign" }))?,
+            registry.build_from_json(&viscous)?,
+        )?)
     };
     let stacks = described.friction.iter().map(stack).collect::<Result<_, _>>()?;
     let rotors: Vec<usize> =
@@ -205,7 +200,7 @@ pub(super) fn model(
     let mut terms = Vec::new();
     if !rotors.is_empty() {
         let term = json!({ "model": "rotor_inertia", "joints": rotors });
-        terms.push(registry.build_from_json(&term).map_err(aurt_plugins::model::Error::Build)?);
+        terms.push(registry.build_from_json(&term)?);
     }
     Ok(dynamics.with_joint_dynamics(stacks, terms)?)
 }

@@ -23,7 +23,10 @@ use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Value, json};
 
 use crate::workbench::{
-    experiments::fit_experiment, failure::Failure, results::diagnosed_series::DiagnosedSeries, simulated,
+    experiments::{fit_experiment, with_window},
+    failure::Failure,
+    results::diagnosed_series::DiagnosedSeries,
+    simulated,
 };
 
 #[derive(Debug, Clone, Default)]
@@ -310,10 +313,7 @@ fn with_windows(held_out: &[String], validation: &[Source]) -> Vec<String> {
     let mut sources = validation.iter();
     held_out
         .iter()
-        .map(|name| match sources.find(|s| s.label == *name).and_then(|s| s.window_s) {
-            Some([from, to]) => format!("{name} from {from} to {to} s"),
-            None => name.clone(),
-        })
+        .map(|name| with_window(name, sources.find(|s| s.label == *name).and_then(|s| s.window_s)))
         .collect()
 }
 

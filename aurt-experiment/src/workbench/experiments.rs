@@ -3,15 +3,44 @@
 use crate::Experiment;
 use aurt::{
     CalibratedModel, Outcome, Progress,
+    data::Loaded,
     fitting::{Assigned, Detail, Job},
     origins::Origins,
 };
 use aurt_calibration::TermScopes;
 use aurt_rbd::geometry_difference;
-use aurt_recording::RobotJoints;
+use aurt_recording::{PreprocessOptions, Recording, RecordingError, RobotJoints};
 use aurt_traits::MeasurementUnit;
 
 use crate::workbench::failure::Failure;
+
+/// The part of a recording that is used.
+pub fn windowed(loaded: &Loaded) -> Result<Recording, RecordingError> {
+    match loaded.source.window_s {
+        Some(window) => loaded.recording.window(window),
+        None => Ok(loaded.recording.clone().into()),
+    }
+}
+
+/// What a part of a recording is called: two parts of one file are two recordings.
+pub fn with_window(name: &str, window_s: Option<[f64; 2]>) -> String {
+    match window_s {
+        Some([from, to]) => format!("{name} from {from} to {to} s"),
+        None => name.to_owned(),
+    }
+}
+
+/// Measurements in the unit of a model: (raw − offset) · gain.
+pub fn undone(measured: &[Vec<f64>], options: &PreprocessOptions) -> Vec<Vec<f64>> {
+    let of = |all: &Option<Vec<f64>>, j: usize, otherwise: f64| {
+        all.as_ref().and_then(|list| list.get(j)).copied().unwrap_or(otherwise)
+    };
+    let joint = |(j, series): (usize, &Vec<f64>)| {
+        let (gain, offset) = (of(&options.gains, j, 1.0), of(&options.offsets, j, 0.0));
+        series.iter().map(|raw| (raw - offset) * gain).collect()
+    };
+    measured.iter().enumerate().map(joint).collect()
+}
 
 /// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, the same
 /// geometry under the same gravity, and drives of the same torque constants.

@@ -6,7 +6,10 @@ use aurt_files::escaped;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
-use crate::workbench::failure::Failure;
+use crate::workbench::{
+    experiments::{undone, windowed, with_window},
+    failure::Failure,
+};
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
 pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
@@ -33,16 +36,10 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     let mut recordings = Vec::new();
     for loaded in &loaded {
         let options = pipeline.options(loaded.recording.unit, Purpose::Calibration);
-        let whole = match loaded.source.window_s {
-            Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone().into(),
-        };
-        let name = match loaded.source.window_s {
-            Some([from, to]) => format!("{} from {from} to {to} s", loaded.source.label),
-            None => loaded.source.label.clone(),
-        };
-        let recording =
-            Recording { velocity_rad_s: None, unit, ..undone(whole, options.gains, options.offsets) };
+        let whole = windowed(loaded)?;
+        let measurement = whole.measurement.as_deref().map(|measured| undone(measured, &options));
+        let recording = Recording { velocity_rad_s: None, measurement, unit, ..whole };
+        let name = with_window(&loaded.source.label, loaded.source.window_s);
         recordings.push(RealRecording { name, recording });
     }
     let mut options = pipeline.options(unit, Purpose::Calibration);
@@ -64,21 +61,6 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         structure: structure(experiment)?,
         recordings,
     })
-}
-
-/// The recording in the model's unit: (raw − offset) · gain.
-fn undone(recording: Recording, gains: Option<Vec<f64>>, offsets: Option<Vec<f64>>) -> Recording {
-    let of = |all: &Option<Vec<f64>>, j: usize, otherwise: f64| {
-        all.as_ref().and_then(|list| list.get(j)).copied().unwrap_or(otherwise)
-    };
-    let measurement = recording.measurement.as_ref().map(|measured| {
-        let joint = |(j, series): (usize, &Vec<f64>)| {
-            let (gain, offset) = (of(&gains, j, 1.0), of(&offsets, j, 0.0));
-            series.iter().map(|raw| (raw - offset) * gain).collect()
-        };
-        measured.iter().enumerate().map(joint).collect()
-    });
-    Recording { measurement, ..recording }
 }
 
 /// The experiment's text without its recordings, with the geometry beside it and the gains undone.

@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use crate::workbench::failure::Failure;
+use crate::workbench::{experiments::windowed, failure::Failure};
 use crate::{
     Experiment,
     experiment::{Geometry, Robot},
@@ -327,10 +327,7 @@ impl Setup {
 
 /// What is used of a recording, without rows that are held, repeated or corrupt: a clock or a delay makes up for these.
 fn window(loaded: &Loaded) -> Result<Recording, Failure> {
-    let recording = match loaded.source.window_s {
-        Some(window) => loaded.recording.window(window)?,
-        None => loaded.recording.clone().into(),
-    };
+    let recording = windowed(loaded)?;
     Ok(RecordingFaults::find("", &recording).repaired(&recording).unwrap_or(recording))
 }
 

@@ -179,8 +179,6 @@ pub fn track(
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
-    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
-    follower.notes = notes;
     let mut motions = Vec::new();
     let mut without = without.iter();
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
@@ -194,8 +192,8 @@ pub fn track(
         motions.push(whole.map(estimate).collect::<Result<Vec<_>, CalibrationError>>()?);
     }
     drop(unchanged);
-    let baseline = Baseline::learn(&motions)?;
-    follower.chart(&baseline);
+    let learnt = (Baseline::learn(&motions)?, names);
+    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone(), learnt, notes);
     // A recording of the unchanged machine may be followed: it shows what no change looks like.
     let mut samples = SampleRegister::default();
     // Files of one machine are alike: what the experiment says of columns and units holds for these.
@@ -220,14 +218,14 @@ pub fn track(
             Followed::File(path) => {
                 let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
                 if is_running {
-                    Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
+                    Running::new(&mut follower, &reference, calibrated, source).follow(said)?;
                     continue;
                 }
                 calibrated.pipeline().read(source, Purpose::Calibration)?
             }
         };
         samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "followed"))?;
-        follower.notes.extend(loaded.warnings());
+        follower.tracked.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let left_out = contaminated(&loaded);
         let moved =
@@ -235,19 +233,26 @@ pub fn track(
         if moved.is_some() || left_out.len() == calibrated.model.joints() {
             let note =
                 "no joint is without motion or a posture of joints outside the model: nothing is followed";
-            follower.notes.push(format!("{}: {note}", recording.name));
+            follower.tracked.notes.push(format!("{}: {note}", recording.name));
             continue;
         }
         let windows = drift_windows(&reference, &recording, &left_out, Cut::whole(options.window_s))?;
         follower.begin(recording.name.clone(), span_s(&loaded));
         for window in windows {
-            if let Some(alarm) = follower.take(&window, &baseline)? {
+            if let Some(alarm) = follower.take(&window)? {
                 said(&alarm);
             }
         }
-        follower.close(recording.name, &baseline)?;
+        follower.close(recording.name)?;
     }
-    Ok(follower.finished(baseline, names, calibration.unit))
+    let mut tracked = follower.tracked;
+    if calibration.unit == MeasurementUnit::Ampere {
+        tracked.notes.push(
+            "the model is in A, where a mass has no unit: a load shows as gains; `torque_constants_nm_per_a` makes it kg"
+                .into(),
+        );
+    }
+    Ok(tracked)
 }
 
 /// The recordings in a folder, by name: files of every format but `.txt`, which notes have too, and bags that are folders
@@ -341,8 +346,7 @@ fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotM
         return Ok(model.clone());
     }
     let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });
-    let load: Box<dyn ArmTerm> =
-        registry.build_from_json(&load).map_err(aurt_plugins::model::Error::Build)?;
+    let load: Box<dyn ArmTerm> = registry.build_from_json(&load)?;
     let terms = model.arm_terms().iter().cloned().chain([load]).collect();
     RobotModel::new(model.rigid_body().clone(), model.base().clone(), model.stacks().to_vec(), terms)
         .map_err(Into::into)
