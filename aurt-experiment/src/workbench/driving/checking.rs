@@ -13,10 +13,12 @@ use aurt_traits::{CommandSignal, RobotNames};
 use serde_json::json;
 
 use super::{
-    DriveOutcome, Judged, Read, Setting,
+    DriveOutcome, Judged,
     doubts::{of_rollouts, rows_per_command},
     gravity::{LEVEL, upside_down},
-    note_lines, warnings,
+    note_lines,
+    setting::{Read, Setting},
+    warnings,
 };
 use crate::workbench::failure::Failure;
 

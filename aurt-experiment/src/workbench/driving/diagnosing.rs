@@ -17,7 +17,8 @@ use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    CalibratedDrive, DriveOutcome, REMEDY, Setting, note_lines, of_joint, open_lines, rival::rests, warnings,
+    CalibratedDrive, DriveOutcome, REMEDY, note_lines, of_joint, open_lines, rival::rests, setting::Setting,
+    warnings,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 

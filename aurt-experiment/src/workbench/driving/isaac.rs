@@ -8,7 +8,9 @@ use aurt_export::isaac::{self, Actuator};
 use aurt_traits::CommandSignal;
 
 use super::{
-    CalibratedDrive, UNLIMITED, braking, follows_positions, number_of, of_drive, options_of, read_all, values,
+    CalibratedDrive, UNLIMITED, braking, follows_positions, number_of,
+    setting::{of_drive, options_of, read_all},
+    values,
 };
 use crate::workbench::{exporting::Exported, failure::Failure};
 

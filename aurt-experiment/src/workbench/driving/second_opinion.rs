@@ -16,9 +16,11 @@ use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    DriveOutcome, Setting, UNLIMITED,
+    DriveOutcome, UNLIMITED,
     fits::{self, Fit},
-    follows_positions, note_lines, of_joint, open_lines, values, warnings,
+    follows_positions, note_lines, of_joint, open_lines,
+    setting::Setting,
+    values, warnings,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 

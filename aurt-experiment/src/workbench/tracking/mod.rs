@@ -151,31 +151,8 @@ pub fn track(
     let sources = experiment.recordings.fitted_and_held_out();
     let sources: Vec<Source> = sources.map(|(source, _)| source.clone()).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    // Recordings of each motion, and the joints of each whose rows do not count.
-    let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
-    let mut without: Vec<Vec<usize>> = Vec::new();
-    let mut notes: Vec<String> = Vec::new();
-    if ends_in_branches(&**calibrated.model.rigid_body()) {
-        notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
-    }
-    let mut base: Option<Vec<BranchMotion>> = None;
-    let mut ended_s = f64::NEG_INFINITY;
-    let mut samples = SampleRegister::default();
-    for source in sources {
-        progress.step(format!("the unchanged machine: {}", source.label));
-        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
-        samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "the unchanged machine"))?;
-        let [first_s, last_s] = span_s(&loaded);
-        notes.extend(loaded.warnings());
-        base.get_or_insert_with(|| loaded.recording.report.branches.clone());
-        let recording = prepared_of(calibrated, &loaded)?;
-        without.push(contaminated(&loaded));
-        match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
-            Some(motion) => motion.push(recording),
-            None => unchanged.push(vec![recording]),
-        }
-        ended_s = last_s;
-    }
+    let Unchanged { motions: unchanged, without, base, notes } =
+        Unchanged::read(calibrated, sources, &options, progress)?;
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
@@ -228,8 +205,7 @@ pub fn track(
         follower.tracked.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let left_out = contaminated(&loaded);
-        let moved =
-            BranchMotion::elsewhere(&loaded.recording.report.branches, base.as_deref().unwrap_or_default());
+        let moved = BranchMotion::elsewhere(&loaded.recording.report.branches, &base);
         if moved.is_some() || left_out.len() == calibrated.model.joints() {
             let note =
                 "no joint is without motion or a posture of joints outside the model: nothing is followed";
@@ -253,6 +229,52 @@ pub fn track(
         );
     }
     Ok(tracked)
+}
+
+/// Recordings of the unchanged machine.
+#[derive(Default)]
+struct Unchanged {
+    /// The recordings of each motion.
+    motions: Vec<Vec<NamedRecording>>,
+    /// The joints of each recording whose rows do not count.
+    without: Vec<Vec<usize>>,
+    /// Motions beside the chain in the first of them.
+    base: Vec<BranchMotion>,
+    notes: Vec<String>,
+}
+
+impl Unchanged {
+    fn read(
+        calibrated: &CalibratedModel,
+        sources: Vec<Source>,
+        options: &TrackOptions,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let mut unchanged = Self::default();
+        if ends_in_branches(&**calibrated.model.rigid_body()) {
+            unchanged.notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
+        }
+        let mut ended_s = f64::NEG_INFINITY;
+        let mut samples = SampleRegister::default();
+        for (k, source) in sources.into_iter().enumerate() {
+            progress.step(format!("the unchanged machine: {}", source.label));
+            let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+            samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "the unchanged machine"))?;
+            let [first_s, last_s] = span_s(&loaded);
+            unchanged.notes.extend(loaded.warnings());
+            if k == 0 {
+                unchanged.base = loaded.recording.report.branches.clone();
+            }
+            let recording = prepared_of(calibrated, &loaded)?;
+            unchanged.without.push(contaminated(&loaded));
+            match unchanged.motions.last_mut().filter(|_| options.continues(ended_s, first_s)) {
+                Some(motion) => motion.push(recording),
+                None => unchanged.motions.push(vec![recording]),
+            }
+            ended_s = last_s;
+        }
+        Ok(unchanged)
+    }
 }
 
 /// The recordings in a folder, by name: files of every format but `.txt`, which notes have too, and bags that are folders
