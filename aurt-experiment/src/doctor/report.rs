@@ -188,7 +188,7 @@ impl Inspected {
     }
 }
 
-/// What a motion says of the parameters, by their names.
+/// Parameters that a motion determines, and others, by their names.
 fn excitation(judged: &Judged) -> Section {
     let (mut determined, combined, silent) = (judged.determined(), judged.combined(), judged.silent());
     let count = determined.len() + combined.len() + silent.len();

@@ -28,7 +28,7 @@ impl Geometry {
         }
     }
 
-    /// What a description says of the robot, where there is one.
+    /// The description of the robot, where there is one.
     fn described(&self) -> Option<&DescribedRobot> {
         match self {
             Self::Mdh { .. } => None,

@@ -24,7 +24,7 @@ pub struct Recordings {
 }
 
 impl Recordings {
-    /// What a model is fitted to and judged on, in the order of calibration and validation.
+    /// The recordings of calibration, then those of validation, each with its role.
     pub fn fitted_and_held_out(&self) -> impl Iterator<Item = (&Source, Role)> {
         let calibration = self.calibration.iter().map(|source| (source, Role::Calibration));
         calibration.chain(self.validation.iter().map(|source| (source, Role::Validation)))

@@ -137,7 +137,7 @@ impl<'n, 'r> Section<'n, 'r> {
         Some(values)
     }
 
-    /// The same of numbers that divide or multiply.
+    /// A list of one number for each joint, none of them zero.
     pub(super) fn factors(&mut self, key: &str) -> Option<Vec<f64>> {
         let values = self.per_joint(key)?;
         self.without_zero(key, values)

@@ -24,7 +24,7 @@ impl PointResult {
         Ok(Self { schema: SCHEMA, key: key.to_owned(), checksum: checksum(key, &outcome)?, outcome })
     }
 
-    /// Whether it is the result under a key, of this version, as it was written.
+    /// True if it is the result under a key, of this version, as it was written.
     pub(crate) fn is_whole(&self, key: &str) -> bool {
         let same = || checksum(key, &self.outcome).is_ok_and(|sum| sum == self.checksum);
         self.schema == SCHEMA && self.key == key && same()

@@ -22,7 +22,7 @@ pub fn windowed(loaded: &Loaded) -> Result<Recording, RecordingError> {
     }
 }
 
-/// What a part of a recording is called: two parts of one file are two recordings.
+/// The name of a part of a recording: two parts of one file are two recordings.
 pub fn with_window(name: &str, window_s: Option<[f64; 2]>) -> String {
     match window_s {
         Some([from, to]) => format!("{name} from {from} to {to} s"),

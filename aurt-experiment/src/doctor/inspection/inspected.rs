@@ -51,7 +51,7 @@ pub struct Inspected {
     pub joints: Vec<JointReport>,
     /// The unit of its stamps, where that is another than was said; the recording is read in it.
     pub stamps: Option<StampUnit>,
-    /// What its motion excites by itself, where the geometry is known.
+    /// Parameters that its motion determines by itself, where the geometry is known.
     pub judged: Option<Judged>,
 }
 
@@ -109,7 +109,7 @@ impl Inspected {
         findings
     }
 
-    /// What should be heeded if it is calibrated on alone.
+    /// Sentences to be heeded if it is calibrated on alone.
     pub fn findings(&self) -> Vec<String> {
         let mut findings = self.faults();
         let moves: Vec<bool> = self.joints.iter().map(|joint| joint.moves()).collect();

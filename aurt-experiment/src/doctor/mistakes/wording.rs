@@ -66,13 +66,13 @@ pub fn number(value: f64) -> String {
     if rounded == 0.0 || value.abs() < 1e-2 { significant(value, 4) } else { format!("{rounded}") }
 }
 
-/// What to do about it, as an order without its full stop.
+/// The cure of a mistake, as an order without its full stop.
 pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
     let [_, order] = said(mistake, &[], names);
     order
 }
 
-/// What seems to be the case, as a sentence without its full stop, and what to do about it, as an order without one.
+/// A mistake as it shows and its cure: a sentence and an order, both without a full stop.
 fn said(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> [String; 2] {
     match mistake {
         Mistake::Gravity { to_m_s2 } => {

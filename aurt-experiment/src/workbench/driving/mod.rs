@@ -168,7 +168,7 @@ fn note_lines(notes: &[String]) -> String {
     notes.iter().map(|note| format!("note: {note}\n")).collect()
 }
 
-/// What recordings leave open, each with its end of the line.
+/// Lines on numbers that recordings leave open, each with its end.
 fn open_lines(undetermined: &[Undetermined], end: impl Fn(&Undetermined) -> String) -> String {
     let lines: String = undetermined.iter().map(|open| format!("  {open}{}\n", end(open))).collect();
     if lines.is_empty() { lines } else { format!("\nleft open by these recordings\n{lines}") }

@@ -32,7 +32,7 @@ pub(super) struct Setting<'e> {
     pub(super) selection: &'e Selection,
     pub(super) options: Options,
     pub(super) recordings: Vec<Read>,
-    /// What a person should know.
+    /// Remarks for a person.
     pub(super) notes: Vec<String>,
 }
 
@@ -74,7 +74,7 @@ impl<'e> Setting<'e> {
         self.recordings.iter().map(|r| r.recording.clone()).collect()
     }
 
-    /// What is fitted, and what is held out.
+    /// The fitted recordings, and the held-out ones.
     pub(super) fn parts(&self) -> [Vec<DriveRecording>; 2] {
         let of = |held_out: bool| {
             let own = self.recordings.iter().filter(move |r| r.held_out == held_out);

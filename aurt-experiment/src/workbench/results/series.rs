@@ -37,7 +37,7 @@ impl SeriesFormat {
     }
 }
 
-/// What a file of series holds. Series are `[joint][sample]`.
+/// The contents of a file of series, which are `[joint][sample]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     pub label: String,
@@ -54,7 +54,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// What a model says of a recording, at the recording's own stamps: the measurement in the unit of the model, unfiltered, gains
+    /// Measurement and prediction of a recording at its own stamps: the measurement in the unit of the model, unfiltered, gains
     /// and offsets undone, if there is one, the prediction, and the difference. Rows that were dropped as corrupt are not among them.
     pub fn of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<Self, Failure> {
         let CalibratedModel { model, calibration, .. } = calibrated;
