@@ -49,7 +49,7 @@ pub fn correct(
     let Some((subject, examination)) = checkup.subject.as_ref().zip(checkup.examination.as_ref()) else {
         return Ok(());
     };
-    if examination.steps.is_empty() && !checkup.has_other_stamps() {
+    if examination.found.steps.is_empty() && !checkup.has_other_stamps() {
         return Ok(());
     }
     let (text, left) = mistakes::corrected(experiment, subject, examination)?;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use aurt::data::{Instrument, Preprocessing, Source};
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
-use aurt_experiment::experiment::{ColumnName, JointColumns, RecordingColumns};
-use aurt_recording::RecordedAs;
+use aurt_experiment::experiment::numbered_columns;
+use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef, RecordedAs};
 use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
@@ -28,7 +28,7 @@ pub struct ReadingOptions {
             or one number per joint for a quantity of all joints, or by name\n\
             for example '{ time = 0, position = [1, 6], measurement = [13, 18] }'"
     )]
-    columns: Option<RecordingColumns>,
+    columns: Option<ColumnSelection>,
     #[command(flatten)]
     joints: JointOptions,
 }
@@ -78,7 +78,7 @@ impl ReadingOptions {
                 Unit::Ampere => MeasurementUnit::Ampere,
                 Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
             }),
-            columns: self.columns.as_ref().map(Into::into),
+            columns: self.columns.clone(),
             recorded: self.joints.recorded(),
         }
     }
@@ -180,7 +180,7 @@ struct ColumnsTable {
     measurement: Option<toml::Value>,
 }
 
-fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
+fn parse_columns(text: &str) -> Result<ColumnSelection, String> {
     let trimmed = text.trim();
     let braced = if trimmed.starts_with('{') { trimmed.to_owned() } else { format!("{{ {trimmed} }}") };
     #[derive(Deserialize)]
@@ -189,25 +189,26 @@ fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
     }
     let Document { columns } =
         toml::from_str(&format!("columns = {braced}")).map_err(|e| e.message().to_owned())?;
-    Ok(RecordingColumns {
+    Ok(ColumnSelection {
         time: Some(match &columns.time {
-            toml::Value::String(name) => ColumnName::Name(name.clone()),
-            other => ColumnName::Index(index("time", other)?),
+            toml::Value::String(name) => ColumnRef::Name(name.clone()),
+            other => ColumnRef::Index(index("time", other)?),
         }),
-        position: joint_columns("position", &columns.position)?,
+        position: Some(joint_columns("position", &columns.position)?),
         velocity: columns.velocity.map(|v| joint_columns("velocity", &v)).transpose()?,
         measurement: columns.measurement.map(|v| joint_columns("measurement", &v)).transpose()?,
     })
 }
 
-fn joint_columns(key: &str, value: &toml::Value) -> Result<JointColumns, String> {
+fn joint_columns(key: &str, value: &toml::Value) -> Result<ColumnsRef, String> {
     let items = value.as_array().map_or(&[][..], Vec::as_slice);
-    if let Some(names) = items.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
+    let name = |value: &toml::Value| value.as_str().map(|name| ColumnRef::Name(name.to_owned()));
+    if let Some(names) = items.iter().map(name).collect::<Option<Vec<_>>>()
         && !names.is_empty()
     {
-        return Ok(JointColumns::Names(names));
+        return Ok(ColumnsRef::List(names));
     }
-    JointColumns::numbered(key, items.iter().map(|v| index(key, v)).collect::<Result<_, _>>()?)
+    numbered_columns(key, items.iter().map(|v| index(key, v)).collect::<Result<_, _>>()?)
 }
 
 fn index(key: &str, value: &toml::Value) -> Result<usize, String> {
@@ -224,14 +225,15 @@ mod tests {
     #[test]
     fn columns_are_written_as_in_an_experiment() {
         let parsed = parse_columns("{ time = 0, position = [1, 6], measurement = [\"a\", \"b\"] }").unwrap();
-        assert_eq!(parsed.time, Some(ColumnName::Index(0)));
-        assert_eq!(parsed.position, JointColumns::Range { first: 1, last: 6 });
-        assert_eq!(parsed.measurement, Some(JointColumns::Names(vec!["a".into(), "b".into()])));
+        assert_eq!(parsed.time, Some(ColumnRef::Index(0)));
+        assert_eq!(parsed.position, Some(ColumnsRef::Range { first: 1, last: 6 }));
+        let names = ["a", "b"].map(|name| ColumnRef::Name(name.into()));
+        assert_eq!(parsed.measurement, Some(ColumnsRef::List(names.into())));
         let permuted = parse_columns("{ time = 0, position = [4, 1, 2, 3] }").unwrap().position;
-        assert_eq!(permuted, JointColumns::Numbers(vec![4, 1, 2, 3]));
+        assert_eq!(permuted, Some(ColumnsRef::List([4, 1, 2, 3].map(ColumnRef::Index).into())));
         assert_eq!(
             parse_columns("time = \"t\", position = [1, 6]").unwrap().time,
-            Some(ColumnName::Name("t".into()))
+            Some(ColumnRef::Name("t".into()))
         );
     }
 

@@ -2,8 +2,8 @@
 
 use std::{path::Path, sync::Arc};
 
-use crate::Experiment;
-use crate::workbench::{experiments, failure::Failure};
+use crate::workbench::failure::Failure;
+use crate::{Experiment, experiment::Recordings};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
@@ -31,7 +31,6 @@ use crate::doctor::{
         judged::{Judged, plain_friction},
     },
     mistakes::{self, Examination, Subject},
-    report::Checked,
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
@@ -65,7 +64,7 @@ pub struct Question<'a> {
 
 pub struct Checkup {
     /// Each recording with what its motion excites by itself.
-    alone: Vec<Seen>,
+    alone: Vec<Inspected>,
     /// What all that is fitted excites together, where there are several.
     together: Option<Judged>,
     /// The setup, where the robot is known.
@@ -136,7 +135,7 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
     };
     let alone = inspected
         .into_iter()
-        .map(|one| Ok(Seen { judged: excitation.of(&[&one])?, one }))
+        .map(|one| Ok(Inspected { judged: excitation.of(&[&one])?, ..one }))
         .collect::<Result<_, Failure>>()?;
     let measured = |s: &&Subject| s.recordings.iter().any(|r| r.loaded.recording.measurement.is_some());
     let examination =
@@ -150,11 +149,8 @@ fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
         Known::Experiment(experiment) => Some(&experiment.recordings),
         _ => None,
     };
-    let file = |r| Given::File(Box::new(experiments::source(r)));
-    recordings.into_iter().flat_map(move |recordings| {
-        let calibration = recordings.calibration.iter().map(move |r| (file(r), Role::Calibration));
-        calibration.chain(recordings.validation.iter().map(move |r| (file(r), Role::Validation)))
-    })
+    let sources = recordings.into_iter().flat_map(Recordings::fitted_and_held_out);
+    sources.map(|(source, role)| (Given::File(Box::new(source.clone())), role))
 }
 
 impl Checkup {
@@ -166,7 +162,7 @@ impl Checkup {
 
     /// Whether stamps were read in another unit than the experiment says.
     pub fn has_other_stamps(&self) -> bool {
-        self.alone.iter().any(|seen| seen.one.stamps.is_some())
+        self.alone.iter().any(|one| one.stamps.is_some())
     }
 
     /// What should be heeded, in sentences.
@@ -182,12 +178,12 @@ impl Checkup {
             [only] => return only.findings(),
             several => several,
         };
-        let joints = several.first().map_or(0, |s| s.one.joints.len());
+        let joints = several.first().map_or(0, |one| one.joints.len());
         let moves: Vec<bool> = (0..joints)
-            .map(|j| several.iter().any(|s| s.one.joints.get(j).is_some_and(|r| r.moves())))
+            .map(|j| several.iter().any(|one| one.joints.get(j).is_some_and(|r| r.moves())))
             .collect();
-        let mut findings: Vec<String> = several.iter().flat_map(|s| s.one.faults()).collect();
-        let names = several.first().map_or_else(RobotNames::default, |s| s.one.names());
+        let mut findings: Vec<String> = several.iter().flat_map(Inspected::faults).collect();
+        let names = several.first().map_or_else(RobotNames::default, Inspected::names);
         findings.extend(rest(&moves, names));
         findings.extend(self.together.iter().flat_map(Judged::findings));
         findings
@@ -196,17 +192,17 @@ impl Checkup {
     /// The f_dyn that suits all motions, Hz: the fastest motion and the slowest clock decide.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
         if let [only] = self.alone.as_slice() {
-            return only.one.suitable_f_dyn_hz();
+            return only.suitable_f_dyn_hz();
         }
         let slowest_hz =
-            self.alone.iter().map(|s| s.one.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
-        suitable_f_dyn_hz(self.alone.iter().flat_map(|s| &s.one.joints), slowest_hz)
+            self.alone.iter().map(|one| one.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
+        suitable_f_dyn_hz(self.alone.iter().flat_map(|one| &one.joints), slowest_hz)
     }
 
     pub fn to_text(&self, style: Style) -> String {
         let (mut text, several) = (String::new(), self.alone.len() > 1);
-        for seen in &self.alone {
-            text.push_str(&seen.one.to_text(seen.judged.as_ref(), style));
+        for one in &self.alone {
+            text.push_str(&one.to_text(style));
             if several {
                 text.push('\n');
             }
@@ -228,7 +224,7 @@ impl Checkup {
         let findings = self.of_recordings();
         if findings.is_empty() {
             let title = style.emphasise(Emphasis::Title, "findings");
-            let measured = self.alone.iter().all(|s| s.one.loaded.recording.measurement.is_some());
+            let measured = self.alone.iter().all(|one| one.loaded.recording.measurement.is_some());
             let is_doubted =
                 self.examination.as_ref().is_some_and(|e| e.is_serious() || e.hardly().is_some());
             let said = if is_doubted {
@@ -247,11 +243,11 @@ impl Checkup {
 
     pub fn to_json(&self) -> Value {
         let mut json = if let [only] = self.alone.as_slice() {
-            only.one.to_json(only.judged.as_ref(), &only.findings())
+            only.to_json()
         } else {
             let f_dyn_hz = self.suitable_f_dyn_hz();
             json!({
-                "recordings": self.alone.iter().map(Seen::to_json).collect::<Vec<_>>(),
+                "recordings": self.alone.iter().map(Inspected::to_json).collect::<Vec<_>>(),
                 "together": {
                     "suitable_f_dyn_hz": f_dyn_hz,
                     "excitation": self.together.as_ref().map(Judged::to_json),
@@ -269,10 +265,10 @@ impl Checkup {
     /// A page for each recording, with a name that no other has.
     pub fn pages(&self) -> Vec<(String, Page)> {
         let mut taken: Vec<String> = Vec::new();
-        for seen in &self.alone {
-            taken.push(own_name(&seen.one, &taken));
+        for one in &self.alone {
+            taken.push(own_name(one, &taken));
         }
-        taken.into_iter().zip(self.alone.iter().map(Seen::page)).collect()
+        taken.into_iter().zip(self.alone.iter().map(Inspected::page)).collect()
     }
 }
 
@@ -294,43 +290,6 @@ impl Excitation<'_> {
         let still = recordings.iter().map(|r| r.still(self.preprocessing)).collect::<Result<Vec<_>, _>>()?;
         let measured = recordings.iter().all(|r| r.loaded.recording.measurement.is_some());
         Judged::new(model, &still, self.unit.filter(|_| measured), self.preprocessing.f_dyn_hz).map(Some)
-    }
-}
-
-/// A recording with what its motion excites by itself.
-struct Seen {
-    one: Inspected,
-    judged: Option<Judged>,
-}
-
-impl Seen {
-    /// What should be heeded if it is calibrated on alone.
-    fn findings(&self) -> Vec<String> {
-        let mut findings = self.one.faults();
-        let moves: Vec<bool> = self.one.joints.iter().map(|joint| joint.moves()).collect();
-        findings.extend(rest(&moves, self.one.names()));
-        findings.extend(self.judged.iter().flat_map(Judged::findings));
-        findings
-    }
-
-    fn to_json(&self) -> Value {
-        self.one.to_json(self.judged.as_ref(), &self.findings())
-    }
-
-    fn page(&self) -> Page {
-        let findings = self.findings();
-        Checked {
-            name: self.one.label(),
-            recording: &self.one.loaded.recording,
-            prepared: &self.one.prepared,
-            joints: &self.one.joints,
-            excited: self.judged.as_ref().map(Judged::named),
-            findings: &findings,
-            notes: &self.one.notes(),
-            suitable_f_dyn_hz: self.one.suitable_f_dyn_hz(),
-            document: &self.to_json(),
-        }
-        .page()
     }
 }
 

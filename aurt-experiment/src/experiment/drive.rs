@@ -5,7 +5,7 @@ use aurt_plugins::{Node, NodeKind};
 use aurt_traits::{CommandSignal, DriveModel, DriveParameter};
 use serde_json::json;
 
-use super::{joint_count::JointCheck, section::Section};
+use super::section::Section;
 
 /// `[drive]`: the drives of all joints, what else of the joints a simulation needs, and which numbers are estimated.
 #[derive(Debug, Clone)]
@@ -89,11 +89,7 @@ fn numbers_of(section: &mut Section<'_, '_>, number: &DriveParameter, joints: us
     let Some(node) = section.take(key) else { return default };
     let values = if matches!(node.kind, NodeKind::Array(_)) {
         let values = section.numbers_of(key, node).unwrap_or_default();
-        section.reader.check_joints(JointCheck::Length {
-            key: key.clone(),
-            found: values.len(),
-            span: node.span.clone(),
-        });
+        section.one_per_joint(key, node, values.len());
         values
     } else {
         section.number_of(key, node).map_or_else(Vec::new, |value| vec![value; joints])
@@ -118,7 +114,7 @@ fn read_floor(mut section: Section<'_, '_>) -> Floor {
 fn keys(section: &mut Section<'_, '_>, key: &str, known: &[String]) -> Vec<String> {
     let Some(node) = section.take(key) else { return Vec::new() };
     let NodeKind::Array(items) = &node.kind else {
-        section.complain(key, node, &format!("expects a list of keys, found {}", node.kind_name()), None);
+        section.expected(key, node, "a list of keys");
         return Vec::new();
     };
     items.iter().filter_map(|item| is_known(section, key, item, section.text_of(key, item)?, known)).collect()
@@ -162,7 +158,7 @@ mod tests {
     use aurt_plugins::Registry;
     use aurt_traits::CommandSignal;
 
-    use crate::{Experiment, experiment::Estimator};
+    use crate::Experiment;
 
     fn read(drive: &str, calibration: &str) -> Result<Experiment, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -186,7 +182,6 @@ mod tests {
             "",
         )
         .unwrap();
-        assert_eq!(experiment.calibration.estimator, Estimator::OutputError);
         let drive = experiment.drive.unwrap();
         assert_eq!(drive.joints[1].drive.parameters()[0].value, 8.0);
         assert_eq!(drive.joints[0].mechanics.coulomb_nm, 0.2);

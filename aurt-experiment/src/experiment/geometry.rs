@@ -28,20 +28,22 @@ impl Geometry {
         }
     }
 
-    /// Values of all standard parameters, where a description states masses.
-    pub fn standard_parameters(&self) -> Option<&[f64]> {
+    /// The description of the robot, where there is one.
+    fn described(&self) -> Option<&DescribedRobot> {
         match self {
             Self::Mdh { .. } => None,
-            Self::Urdf { robot, .. } | Self::Known(robot) => robot.standard_parameters.as_deref(),
+            Self::Urdf { robot, .. } | Self::Known(robot) => Some(robot),
         }
+    }
+
+    /// Values of all standard parameters, where a description states masses.
+    pub fn standard_parameters(&self) -> Option<&[f64]> {
+        self.described()?.standard_parameters.as_deref()
     }
 
     /// The joints' names, where a description states them.
     pub fn joint_names(&self) -> &[String] {
-        match self {
-            Self::Mdh { .. } => &[],
-            Self::Urdf { robot, .. } | Self::Known(robot) => &robot.joint_names,
-        }
+        self.described().map_or(&[], |robot| &robot.joint_names)
     }
 
     /// Whether each joint slides: its positions are in m.
@@ -56,10 +58,7 @@ impl Geometry {
 
     /// The joints beside the chain, where a description has some.
     pub fn branches(&self) -> &[Branch] {
-        match self {
-            Self::Mdh { .. } => &[],
-            Self::Urdf { robot, .. } | Self::Known(robot) => &robot.branches,
-        }
+        self.described().map_or(&[], |robot| &robot.branches)
     }
 
     /// Number of links: one of each joint, those that follow others too.

@@ -2,7 +2,7 @@ use aurt_plugins::{Node, NodeKind, suggestion::likely};
 use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
 
 use super::{
-    columns::{column, joint_columns},
+    columns::columns,
     recorded_as::{self, UNITS},
     section::Section,
 };
@@ -18,9 +18,7 @@ pub(super) fn take(table: &mut Section<'_, '_>, has_positions: bool) -> Option<V
     let key = "take";
     let node = table.take(key)?;
     let NodeKind::Array(items) = &node.kind else {
-        let message =
-            format!("expects a list such as [\"position\", \"velocity\"], found {}", node.kind_name());
-        table.complain(key, node, &message, None);
+        table.expected(key, node, "a list such as [\"position\", \"velocity\"]");
         return None;
     };
     let mut quantities = Vec::new();
@@ -76,48 +74,21 @@ fn joined(section: &Section<'_, '_>, node: &Node, general: &RecordedAs) -> Optio
             let mut recorded = recorded_as::read(&mut table).or(general);
             recorded.take = take(&mut table, false);
             let offset = table.take("clock_offset_s");
-            let clock_offset_s = match offset {
-                Some(node) => table.number_of("clock_offset_s", node),
-                None => Some(0.0),
-            };
-            let columns = match table.take("columns") {
-                Some(node) => Section::new(section.reader, node, "`columns`").and_then(columns),
-                None => Some(ColumnSelection::default()),
-            };
+            let offset_s = offset.and_then(|node| table.number_of("clock_offset_s", node));
+            let below = table.take("columns").and_then(|n| Section::new(section.reader, n, "`columns`"));
+            let columns = below.map(|below| columns(below, &[])).unwrap_or_default();
             table.finish();
             Some(JoinedFile {
                 file: file?,
                 unit,
-                columns: columns?,
+                columns,
                 recorded,
-                clock_offset_s: clock_offset_s?,
+                clock_offset_s: offset_s.unwrap_or_default(),
             })
         }
         _ => {
-            let message = format!(
-                "expects file names or tables such as {{ file = \"…\" }}, found {}",
-                node.kind_name()
-            );
-            section.complain("joined", node, &message, None);
+            section.no_recording("joined", node);
             None
         }
     }
-}
-
-/// `columns` of a joined file, each of which may be missing.
-fn columns(mut table: Section<'_, '_>) -> Option<ColumnSelection> {
-    let time = table.take("time").map(|n| column(&table, "time", n));
-    let mut family = |key: &'static str| table.take(key).map(|n| joint_columns(&table, key, n));
-    let families = [family("position"), family("velocity"), family("measurement")];
-    table.finish();
-    let [position, velocity, measurement] = families.map(|f| match f {
-        None => Some(None),
-        Some(None) => None,
-        Some(Some(columns)) => Some(Some((&columns).into())),
-    });
-    let time = match time {
-        None => None,
-        Some(column) => Some((&column?).into()),
-    };
-    Some(ColumnSelection { time, position: position?, velocity: velocity?, measurement: measurement? })
 }

@@ -32,27 +32,17 @@ pub struct JointOverride {
     pub viscous: Option<Box<dyn ViscousBasis>>,
 }
 
-/// The tables that models of one `[joint_dynamics]` or override were built from.
-#[derive(Debug, Clone, Copy, Default)]
-struct Tables<'n> {
-    coulomb: Option<&'n Node>,
-    hysteresis: Option<&'n Node>,
-    viscous: Option<&'n Node>,
-}
+const SLOTS: [Slot; 3] = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous];
 
-impl<'n> Tables<'n> {
-    const fn of_slot(&self, slot: &str) -> Option<&'n Node> {
-        match slot.as_bytes() {
-            b"coulomb" => self.coulomb,
-            b"hysteresis" => self.hysteresis,
-            _ => self.viscous,
-        }
-    }
-}
+/// The tables that models of one `[joint_dynamics]` or override were built from, in the order of the slots.
+type Tables<'n> = [Option<&'n Node>; 3];
 
 /// The models of one table, `None` where none is given or it is wrong.
 type Models =
     (Option<Box<dyn CoulombModel>>, Option<Box<dyn HysteresisModel>>, Option<Box<dyn ViscousBasis>>);
+
+/// The models of a joint.
+type Stack = (Box<dyn CoulombModel>, Box<dyn HysteresisModel>, Box<dyn ViscousBasis>);
 
 impl JointDynamics {
     /// The models of every joint, joint after joint.
@@ -62,15 +52,15 @@ impl JointDynamics {
     pub fn stacks(&self, joints: usize) -> Result<Vec<JointStack>, Vec<ModelError>> {
         (0..joints)
             .map(|joint| {
-                let mut stack = (self.coulomb.clone(), self.hysteresis.clone(), self.viscous.clone());
-                for exception in self.overrides.iter().filter(|o| o.joints.contains(&joint)) {
-                    stack.0 = exception.coulomb.clone().unwrap_or(stack.0);
-                    stack.1 = exception.hysteresis.clone().unwrap_or(stack.1);
-                    stack.2 = exception.viscous.clone().unwrap_or(stack.2);
-                }
+                let own = self.overrides.iter().filter(|o| o.joints.contains(&joint));
+                let stack = own.fold(self.everywhere(), |stack, exception| exception.over(stack));
                 JointStack::new(stack.0, stack.1, stack.2)
             })
             .collect()
+    }
+
+    fn everywhere(&self) -> Stack {
+        (self.coulomb.clone(), self.hysteresis.clone(), self.viscous.clone())
     }
 
     pub(super) fn read(
@@ -78,7 +68,7 @@ impl JointDynamics {
         reader: &Reader,
         registry: &Registry,
     ) -> Option<Self> {
-        let mut defaults = Tables::default();
+        let mut defaults: Tables<'_> = [None; 3];
         let mut models: Models = (None, None, None);
         let mut overrides = Vec::new();
         let mut override_tables = Vec::new();
@@ -94,17 +84,12 @@ impl JointDynamics {
             section.finish();
         }
         complain_about_repetitions(reader, &overrides, &override_tables);
-        let given = |table: Option<&Node>| table.is_some();
+        let (coulomb, hysteresis, viscous) = models;
+        let polynomial = json!({ "model": "polynomial", "powers": [1] });
         let dynamics = Self {
-            coulomb: models
-                .0
-                .or_else(|| default(given(defaults.coulomb), registry, json!({ "model": "constant" })))?,
-            hysteresis: models
-                .1
-                .or_else(|| default(given(defaults.hysteresis), registry, json!({ "model": "sign" })))?,
-            viscous: models.2.or_else(|| {
-                default(given(defaults.viscous), registry, json!({ "model": "polynomial", "powers": [1] }))
-            })?,
+            coulomb: coulomb.or_else(|| default(defaults[0], registry, json!({ "model": "constant" })))?,
+            hysteresis: hysteresis.or_else(|| default(defaults[1], registry, json!({ "model": "sign" })))?,
+            viscous: viscous.or_else(|| default(defaults[2], registry, polynomial))?,
             overrides,
         };
         complain_about_refusals(reader, &dynamics, defaults, &override_tables);
@@ -113,6 +98,15 @@ impl JointDynamics {
 }
 
 impl JointOverride {
+    /// The models of a joint that has the exception.
+    fn over(&self, (coulomb, hysteresis, viscous): Stack) -> Stack {
+        (
+            self.coulomb.clone().unwrap_or(coulomb),
+            self.hysteresis.clone().unwrap_or(hysteresis),
+            self.viscous.clone().unwrap_or(viscous),
+        )
+    }
+
     fn read<'n>(mut section: Section<'n, '_>, registry: &Registry) -> Option<(Tables<'n>, Self)> {
         let node = section.require("joints", "joints = [1, 2]");
         let joints = node.and_then(|node| {
@@ -131,7 +125,7 @@ impl JointOverride {
             Some(joints)
         });
         let (tables, (coulomb, hysteresis, viscous)) = read_models(&mut section, registry);
-        if tables.coulomb.or(tables.hysteresis).or(tables.viscous).is_none() && node.is_some() {
+        if tables.iter().all(Option::is_none) && node.is_some() {
             section.reader.complain(
                 Complaint::new(section.span().clone(), "the override changes nothing")
                     .help("give it at least one of `coulomb`, `hysteresis`, `viscous`"),
@@ -143,16 +137,13 @@ impl JointOverride {
 }
 
 fn read_models<'n>(section: &mut Section<'n, '_>, registry: &Registry) -> (Tables<'n>, Models) {
-    let tables = Tables {
-        coulomb: section.take("coulomb"),
-        hysteresis: section.take("hysteresis"),
-        viscous: section.take("viscous"),
-    };
+    let tables = SLOTS.map(|slot| section.take(slot.name()));
+    let [coulomb, hysteresis, viscous] = tables;
     let reader = section.reader;
     let models = (
-        tables.coulomb.and_then(|node| build(reader, registry, node)),
-        tables.hysteresis.and_then(|node| build(reader, registry, node)),
-        tables.viscous.and_then(|node| build(reader, registry, node)),
+        coulomb.and_then(|node| build(reader, registry, node)),
+        hysteresis.and_then(|node| build(reader, registry, node)),
+        viscous.and_then(|node| build(reader, registry, node)),
     );
     (tables, models)
 }
@@ -163,28 +154,26 @@ pub(super) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     node: &Node,
 ) -> Option<Box<M>> {
-    let inner = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous]
-        .into_iter()
-        .filter_map(|slot| Registry::former_name(slot, node.get(slot.name())?));
+    let inner = SLOTS.into_iter().filter_map(|slot| Registry::former_name(slot, node.get(slot.name())?));
     Registry::former_name(M::SLOT, node).into_iter().chain(inner).for_each(|note| reader.note(note));
     registry.build(node).map_err(|errors| errors.into_iter().for_each(|e| reader.complain(e))).ok()
 }
 
 /// The model of a slot that is not given; nothing where one is given, but wrong.
 fn default<M: SlotModel + ?Sized>(
-    given: bool,
+    given: Option<&Node>,
     registry: &Registry,
     model: serde_json::Value,
 ) -> Option<Box<M>> {
-    if given { None } else { registry.build_from_json(&model).ok() }
+    if given.is_some() { None } else { registry.build_from_json(&model).ok() }
 }
 
 /// Two overrides must not both give the same joint's same slot: which one should count?
 fn complain_about_repetitions(reader: &Reader, overrides: &[JointOverride], tables: &[Tables<'_>]) {
-    for slot in [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous] {
+    for (at, slot) in SLOTS.into_iter().enumerate() {
         for (k, later) in tables.iter().enumerate() {
-            let Some(node) = later.of_slot(slot.name()) else { continue };
-            let earlier = (0..k).filter(|e| tables[*e].of_slot(slot.name()).is_some());
+            let Some(node) = later[at] else { continue };
+            let earlier = (0..k).filter(|e| tables[*e][at].is_some());
             for joint in
                 earlier.flat_map(|e| &overrides[e].joints).filter(|j| overrides[k].joints.contains(j))
             {
@@ -203,21 +192,15 @@ fn complain_about_refusals(
     defaults: Tables<'_>,
     overrides: &[Tables<'_>],
 ) {
-    let everywhere = (dynamics.coulomb.clone(), dynamics.hysteresis.clone(), dynamics.viscous.clone());
-    let stacks = dynamics.overrides.iter().zip(overrides).map(|(exception, tables)| {
-        let stack = (
-            exception.coulomb.clone().unwrap_or_else(|| everywhere.0.clone()),
-            exception.hysteresis.clone().unwrap_or_else(|| everywhere.1.clone()),
-            exception.viscous.clone().unwrap_or_else(|| everywhere.2.clone()),
-        );
-        (stack, *tables)
-    });
+    let exceptions = dynamics.overrides.iter().zip(overrides);
+    let stacks = exceptions.map(|(exception, tables)| (exception.over(dynamics.everywhere()), *tables));
     for ((coulomb, hysteresis, viscous), tables) in
-        std::iter::once((everywhere.clone(), defaults)).chain(stacks)
+        std::iter::once((dynamics.everywhere(), defaults)).chain(stacks)
     {
         for refusal in JointStack::new(coulomb, hysteresis, viscous).err().unwrap_or_default() {
             let ModelError::SlotRefused { slot, .. } = &refusal else { continue };
-            if let Some(table) = tables.of_slot(slot) {
+            let at = SLOTS.iter().position(|known| known.name() == *slot);
+            if let Some(table) = at.and_then(|at| tables[at]) {
                 let name = table.get("model").unwrap_or(table);
                 reader.complain(Complaint::new(name.span.clone(), refusal.to_string()));
             }

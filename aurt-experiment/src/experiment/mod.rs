@@ -9,7 +9,6 @@ mod columns;
 mod drive;
 mod errors;
 mod geometry;
-mod instrument;
 mod joined;
 mod joint_count;
 mod joint_dynamics;
@@ -23,20 +22,20 @@ mod section;
 
 use std::path::{Path, PathBuf};
 
+use aurt::data::Instrument;
+use aurt_calibration::CalibrationOptions;
 use aurt_files::{MOST_TABLES, MOST_TEXT_BYTES, read_text, table_beyond};
 use aurt_recording::PreprocessOptions;
 use aurt_traits::ArmTerm;
 use toml::de::DeTable;
 
 pub use self::{
-    calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
-    columns::{ColumnName, JointColumns, RecordingColumns},
+    columns::numbered_columns,
     drive::Drive,
     errors::{Complaint, ExperimentErrors, Problem},
     geometry::Geometry,
-    instrument::Instrument,
     joint_dynamics::{JointDynamics, JointOverride},
-    recordings::{RecordingSource, Recordings},
+    recordings::{Recordings, place_among},
     robot::Robot,
 };
 use self::{
@@ -61,11 +60,18 @@ pub struct Experiment {
     /// `recordings` of each arm term: the files in which it acts, as `[recordings]` writes them; all unless given
     /// (a payload that only some recordings carry).
     pub arm_term_recordings: Vec<Option<Vec<String>>>,
+    /// `[instrument]`: of joint j's raw measurement preprocessing makes (raw_j(t + delay_s\[j\]) − offsets\[j\]) / gains\[j\]; the
+    /// `torque_constants_nm_per_a` of `[robot]`, if there are any, multiply that, and the model is in Nm.
     pub instrument: Instrument,
     pub recordings: Recordings,
     /// `[preprocess]`, without what `[instrument]` says.
     pub preprocess: PreprocessOptions,
-    pub calibration: Calibration,
+    /// `[calibration]`, and what of `[preprocess]` concerns it.
+    pub calibration: CalibrationOptions,
+    /// `prior = "description"`, as its `prior_weight`: the inertial parameters of the robot's URDF or MJCF file are what
+    /// `"consistent"` estimates are pulled towards, by 1/σ², where σ is the relative standard deviation of the file's masses and
+    /// second moments. With zero they decide only what the recordings leave open.
+    pub prior_weight: Option<f64>,
     /// `[drive]`: what is between the robot's commands and its torques, where those are not recorded.
     pub drive: Option<Drive>,
     /// `libraries` of `[plugins]`: the dynamic libraries that were loaded for this experiment.
@@ -111,8 +117,7 @@ impl Experiment {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let reader = Reader::new(folder);
         magnitude::check(&root, &reader);
-        let experiment = read_sections(&root, &reader, path, text, registry);
-        let (experiment, sizes) = experiment;
+        let (experiment, sizes) = read_sections(&root, &reader, path, text, registry);
         let (mut complaints, checks) = reader.into_complaints();
         if let Some((joints, links)) = sizes {
             complaints.extend(checks.into_iter().flat_map(|check| check.complaints(joints, links)));
@@ -174,13 +179,20 @@ fn read_sections(
     read_schema(&mut top);
     let libraries = read_libraries(&mut top, registry);
     top.require("robot", "[robot] with `mdh` (or `urdf`, `mjcf`, `name`) and `gravity_m_s2`");
-    let (mut robot, joints) = top.section("robot").map_or((None, None), Robot::read);
+    let mut instrument = Instrument::default();
+    let (mut robot, joints) =
+        top.section("robot").map_or((None, None), |section| Robot::read(section, &mut instrument));
     let links = robot.as_ref().map_or(0, |robot| robot.geometry.links());
     let sizes = joints.map(|joints| (joints, links.max(joints)));
     let dynamics = top.section("joint_dynamics");
     let joint_dynamics = JointDynamics::read(dynamics, reader, registry);
     let (arm_terms, arm_term_recordings) = read_arm_terms(&mut top, registry).into_iter().unzip();
-    let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
+    if let Some(mut section) = top.section("instrument") {
+        instrument.gains = section.factors("gains");
+        instrument.offsets = section.per_joint("offsets");
+        instrument.delay_s = section.per_joint("delay_s");
+        section.finish();
+    }
     top.require("recordings", "[recordings] with `calibration`");
     let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
     // What names the joints in the recordings names those of a robot that has no names.
@@ -199,11 +211,10 @@ fn read_sections(
         }
     }
     let drive = drive.and_then(|section| Drive::read(section, joints));
-    let calibration = match top.section("calibration") {
-        Some(section) => Calibration::read(section, robot.as_ref(), driven),
-        None if driven => Calibration { estimator: Estimator::OutputError, ..Calibration::default() },
-        None => Calibration::default(),
-    };
+    let calibration = top.section("calibration").map(|s| calibration::read(s, robot.as_ref(), driven));
+    let (calibration, prior_weight) = calibration.unwrap_or_default();
+    let calibration =
+        CalibrationOptions { rest_velocity_rad_s: preprocess.rest_velocity_rad_s, ..calibration };
     let [diagnosis, sweep] = ["diagnosis", "sweep"].map(|key| top.take(key).cloned());
     top.finish();
     let experiment = robot.zip(joint_dynamics).map(|(robot, joint_dynamics)| Experiment {
@@ -217,6 +228,7 @@ fn read_sections(
         recordings,
         preprocess,
         calibration,
+        prior_weight,
         drive,
         libraries,
         diagnosis,
@@ -231,15 +243,10 @@ fn read_schema(top: &mut Section<'_, '_>) {
     match node.kind {
         NodeKind::Integer(SCHEMA) => {}
         NodeKind::Integer(n) => {
-            let help = format!("this program reads schema {SCHEMA}");
-            top.complain(
-                "schema",
-                node,
-                &format!("is {n}, another version of the experiment file"),
-                Some(help),
-            );
+            let message = format!("is {n}, another version of the experiment file");
+            top.complain("schema", node, &message, Some(format!("this program reads schema {SCHEMA}")));
         }
-        _ => top.complain("schema", node, &format!("expects {SCHEMA}, found {}", node.kind_name()), None),
+        _ => top.expected("schema", node, &SCHEMA.to_string()),
     }
 }
 
@@ -258,12 +265,7 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
                     libraries.push(path);
                 }
             }
-            _ => section.complain(
-                "libraries",
-                node,
-                &format!("expects a list of files, found {}", node.kind_name()),
-                None,
-            ),
+            _ => section.expected("libraries", node, "a list of files"),
         }
     }
     section.finish();

@@ -2,7 +2,7 @@ use aurt_plugins::{Node, NodeKind};
 use aurt_recording::{AngleUnit, CurrentUnit, DroppedRows, RecordedAs, TimeUnit};
 use aurt_traits::MeasurementUnit;
 
-use super::{joint_count::JointCheck, section::Section};
+use super::section::Section;
 
 pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
     [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
@@ -54,41 +54,25 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
 
 fn per_joint(section: &mut Section<'_, '_>, key: &'static str) -> Option<Vec<f64>> {
     let node = section.take(key)?;
-    let values = if matches!(node.kind, NodeKind::Array(_)) {
-        let values = section.numbers_of(key, node)?;
-        section.reader.check_joints(JointCheck::Length {
-            key: key.to_owned(),
-            found: values.len(),
-            span: node.span.clone(),
-        });
-        values
-    } else {
-        vec![section.number_of(key, node)?]
-    };
-    if values.contains(&0.0) {
-        section.complain(key, node, "must not be zero", None);
-        return None;
+    if matches!(node.kind, NodeKind::Array(_)) {
+        return section.factors(key);
     }
-    Some(values)
+    let value = section.number_of(key, node)?;
+    section.without_zero(key, vec![value])
 }
 
 /// `joint_names`: one for each joint, none of them empty or there twice.
 pub(super) fn joint_names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
     let key = "joint_names";
     let names = names(section, key, "joints", node)?;
-    section.reader.check_joints(JointCheck::Length {
-        key: key.to_owned(),
-        found: names.len(),
-        span: node.span.clone(),
-    });
+    section.one_per_joint(key, node, names.len());
     Some(names)
 }
 
 /// Names of joints or links, none of them empty or there twice.
 pub(super) fn names(section: &Section<'_, '_>, key: &str, of: &str, node: &Node) -> Option<Vec<String>> {
     let NodeKind::Array(items) = &node.kind else {
-        let found = format!("expects a list of names, found {}", node.kind_name());
-        section.complain(key, node, &found, None);
+        section.expected(key, node, "a list of names");
         return None;
     };
     let names: Vec<Option<&str>> = items.iter().map(|item| section.text_of(key, item)).collect();

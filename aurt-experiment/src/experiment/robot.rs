@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
+use aurt::data::Instrument;
 use aurt_plugins::Node;
 use aurt_rbd::robots::{DescribedRobot, Part, known_robot};
 use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint};
 use aurt_recording::RobotJoints;
 use aurt_traits::RigidBodyRegressor;
 
-use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, recorded_as, section::Section};
+use super::{errors::Complaint, geometry::Geometry, recorded_as, section::Section};
 
 /// `[robot]`: the arm itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,9 +16,6 @@ pub struct Robot {
     pub geometry: Geometry,
     /// `gravity_m_s2`: gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
-    /// `torque_constants_nm_per_a`: torque per current of each joint's drive. With them currents become torques
-    /// and the model is in Nm; without, it is in the unit of the measurement.
-    pub torque_constants_nm_per_a: Option<Vec<f64>>,
     /// `joint_names`: the joints by name, base first; by default those of the description, else those that `[recordings]`
     /// states. Empty where nothing names them.
     pub joint_names: Vec<String>,
@@ -50,8 +48,11 @@ impl Robot {
         }
     }
 
-    /// Reads `[robot]`; the number of joints is known even if other keys are wrong.
-    pub(super) fn read(mut section: Section<'_, '_>) -> (Option<Self>, Option<usize>) {
+    /// Reads `[robot]`; the number of joints is known even if other keys are wrong. What of it concerns the instrument goes there.
+    pub(super) fn read(
+        mut section: Section<'_, '_>,
+        instrument: &mut Instrument,
+    ) -> (Option<Self>, Option<usize>) {
         let geometry = read_geometry(&mut section);
         let gravity_m_s2 =
             section.require("gravity_m_s2", "gravity_m_s2 = [0.0, 0.0, -9.81]").and_then(|node| {
@@ -63,20 +64,7 @@ impl Robot {
                 }
                 Some(gravity)
             });
-        let torque_constants_nm_per_a = section.take("torque_constants_nm_per_a").and_then(|node| {
-            let key = "torque_constants_nm_per_a";
-            let constants = section.numbers_of(key, node)?;
-            if constants.contains(&0.0) {
-                section.complain(key, node, "must not be zero", None);
-                return None;
-            }
-            section.reader.check_joints(JointCheck::Length {
-                key: key.to_owned(),
-                found: constants.len(),
-                span: node.span.clone(),
-            });
-            Some(constants)
-        });
+        instrument.torque_constants_nm_per_a = section.factors("torque_constants_nm_per_a");
         let stated = section.take("joint_names").and_then(|node| recorded_as::joint_names(&section, node));
         section.finish();
         let joints = geometry.as_ref().map(RobotDescription::joints);
@@ -84,7 +72,6 @@ impl Robot {
             joint_names: stated.unwrap_or_else(|| geometry.joint_names().to_vec()),
             geometry,
             gravity_m_s2,
-            torque_constants_nm_per_a,
         });
         (robot, joints)
     }

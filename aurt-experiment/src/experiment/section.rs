@@ -116,7 +116,7 @@ impl<'n, 'r> Section<'n, 'r> {
         self.reader.complain(complaint);
     }
 
-    fn expected(&self, key: &str, at: &Node, what: &str) {
+    pub(super) fn expected(&self, key: &str, at: &Node, what: &str) {
         self.complain(key, at, &format!("expects {what}, found {}", at.kind_name()), None);
     }
 
@@ -127,6 +127,41 @@ impl<'n, 'r> Section<'n, 'r> {
             Some(x) => return Some(x),
         }
         None
+    }
+
+    /// An optional list of one number for each joint.
+    pub(super) fn per_joint(&mut self, key: &str) -> Option<Vec<f64>> {
+        let node = self.take(key)?;
+        let values = self.numbers_of(key, node)?;
+        self.one_per_joint(key, node, values.len());
+        Some(values)
+    }
+
+    /// A list of one number for each joint, none of them zero.
+    pub(super) fn factors(&mut self, key: &str) -> Option<Vec<f64>> {
+        let values = self.per_joint(key)?;
+        self.without_zero(key, values)
+    }
+
+    pub(super) fn without_zero(&mut self, key: &str, values: Vec<f64>) -> Option<Vec<f64>> {
+        if values.contains(&0.0)
+            && let Some(node) = self.take(key)
+        {
+            self.complain(key, node, "must not be zero", None);
+            return None;
+        }
+        Some(values)
+    }
+
+    /// Notes that a list has to have one entry for each joint.
+    pub(super) fn one_per_joint(&self, key: &str, node: &Node, found: usize) {
+        let (key, span) = (key.to_owned(), node.span.clone());
+        self.reader.check_joints(JointCheck::Length { key, found, span });
+    }
+
+    /// A complaint about what is neither the name of a recording nor its table.
+    pub(super) fn no_recording(&self, key: &str, node: &Node) {
+        self.expected(key, node, "file names or tables such as { file = \"…\" }");
     }
 
     /// An optional number above zero.

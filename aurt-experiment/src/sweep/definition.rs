@@ -11,7 +11,7 @@ const BLOCK_S: f64 = 1.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Definition {
     /// Axes whose values are combined, each with each; the later ones change faster.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<Vec<Step>>,
     pub validate: Validate,
     /// `block_s`: length of the blocks of time over which errors are summed for comparisons, s; 1 by default.
     pub block_s: f64,
@@ -27,11 +27,6 @@ pub enum Validate {
     HeldOut,
     /// `"leave_one_out"`: for each calibration recording, fitted to the others and judged on it.
     LeaveOneOut,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
-    pub steps: Vec<Step>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +54,11 @@ impl Definition {
             return Err(vec![Complaint::new(&sweep.span, "`sweep` expects a table, write [sweep]")]);
         }
         unknown(sweep, "[sweep]", &KEYS, &mut complaints);
-        let mut axes: Vec<Axis> = grid(sweep, &mut complaints);
+        // Of the grid every key is an axis.
+        let of_one = |setting: Setting| Step { name: None, settings: vec![setting] };
+        let grid = lists(sweep, "grid", &mut complaints).into_iter();
+        let mut axes: Vec<Vec<Step>> =
+            grid.map(|settings| settings.into_iter().map(of_one).collect()).collect();
         axes.extend(zip(sweep, &mut complaints));
         axes.extend(variants(sweep, &mut complaints));
         let validate = match sweep.get("validate").map(|n| (n, n.as_str())) {
@@ -98,60 +97,27 @@ impl Definition {
     }
 }
 
-/// `[sweep.grid]`: every key is an axis.
-fn grid(sweep: &Node, complaints: &mut Vec<Complaint>) -> Vec<Axis> {
-    lists(sweep, "grid", complaints)
-        .into_iter()
-        .map(|(place, key_span, values)| Axis {
-            steps: values
-                .iter()
-                .map(|value| Step {
-                    name: None,
-                    settings: vec![Setting {
-                        place: place.clone(),
-                        key_span: key_span.clone(),
-                        value: value.clone(),
-                    }],
-                })
-                .collect(),
-        })
-        .collect()
-}
-
 /// `[sweep.zip]`: all keys step together.
-fn zip(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
+fn zip(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Vec<Step>> {
     let lists = lists(sweep, "zip", complaints);
-    let (_, _, first) = lists.first()?;
-    for (place, span, values) in &lists {
-        if values.len() != first.len() {
-            complaints.push(Complaint::new(
-                span,
-                format!(
-                    "the lists of [sweep.zip] step together, but `{place}` has {} values and `{}` has {}",
-                    values.len(),
-                    lists[0].0,
-                    first.len()
-                ),
-            ));
-            return None;
-        }
+    let first = lists.first()?;
+    if let Some(other) = lists.iter().find(|list| list.len() != first.len()) {
+        let message = format!(
+            "the lists of [sweep.zip] step together, but `{}` has {} values and `{}` has {}",
+            other[0].place,
+            other.len(),
+            first[0].place,
+            first.len()
+        );
+        complaints.push(Complaint::new(&other[0].key_span, message));
+        return None;
     }
-    let step = |k: usize| Step {
-        name: None,
-        settings: lists
-            .iter()
-            .map(|(place, key_span, values)| Setting {
-                place: place.clone(),
-                key_span: key_span.clone(),
-                value: values[k].clone(),
-            })
-            .collect(),
-    };
-    Some(Axis { steps: (0..first.len()).map(step).collect() })
+    let step = |k: usize| Step { name: None, settings: lists.iter().map(|list| list[k].clone()).collect() };
+    Some((0..first.len()).map(step).collect())
 }
 
 /// `[[sweep.variant]]`: named alternatives.
-fn variants(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
+fn variants(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Vec<Step>> {
     let node = sweep.get("variant")?;
     let NodeKind::Array(tables) = &node.kind else {
         complaints.push(
@@ -185,11 +151,11 @@ fn variants(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
         });
         steps.push(Step { name: Some(name.to_owned()), settings: settings.collect() });
     }
-    Some(Axis { steps })
+    Some(steps)
 }
 
-/// The lists of `[sweep.grid]` or `[sweep.zip]`; dots in a key may stand outside quotes.
-fn lists(sweep: &Node, key: &str, complaints: &mut Vec<Complaint>) -> Vec<(Place, Span, Vec<Node>)> {
+/// The lists of `[sweep.grid]` or `[sweep.zip]`, none of them empty; dots in a key may stand outside quotes.
+fn lists(sweep: &Node, key: &str, complaints: &mut Vec<Complaint>) -> Vec<Vec<Setting>> {
     let mut found = Vec::new();
     let Some(table) = sweep.get(key) else { return found };
     if !matches!(table.kind, NodeKind::Table(_)) {
@@ -199,17 +165,18 @@ fn lists(sweep: &Node, key: &str, complaints: &mut Vec<Complaint>) -> Vec<(Place
     found
 }
 
-fn collect_lists(
-    table: &Node,
-    prefix: &str,
-    found: &mut Vec<(Place, Span, Vec<Node>)>,
-    complaints: &mut Vec<Complaint>,
-) {
+fn collect_lists(table: &Node, prefix: &str, found: &mut Vec<Vec<Setting>>, complaints: &mut Vec<Complaint>) {
     for entry in table.entries() {
         let key = format!("{prefix}{}", entry.key);
         match &entry.value.kind {
             NodeKind::Array(values) if !values.is_empty() => {
-                found.push((Place::new(&key), entry.key_span.clone(), values.clone()));
+                let (place, key_span) = (Place::new(&key), entry.key_span.clone());
+                let setting = |value: &Node| Setting {
+                    place: place.clone(),
+                    key_span: key_span.clone(),
+                    value: value.clone(),
+                };
+                found.push(values.iter().map(setting).collect());
             }
             NodeKind::Table(_) => collect_lists(&entry.value, &format!("{key}."), found, complaints),
             _ => complaints.push(

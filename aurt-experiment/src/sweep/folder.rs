@@ -25,9 +25,8 @@ use serde::Serialize;
 
 use crate::sweep::{
     Sweep, SweepError,
-    kept::{self, Found},
     plan::{self, Plan},
-    result::PointResult,
+    result::{Outcome, PointResult},
 };
 
 const PLAN: &str = "sweep.json";
@@ -76,23 +75,16 @@ impl Folder {
     /// sweep or something else.
     pub fn for_sweep(path: &Path, sweep: &Sweep) -> Result<Self, SweepError> {
         let folder = Self::at(path);
-        let refuse = |reason: String, remedy: &str| SweepError::Folder {
-            path: path.to_owned(),
-            reason,
-            remedy: remedy.to_owned(),
-        };
+        let refuse = |reason: &str, remedy: &str| refused(path.to_owned(), reason, remedy);
         match fs::read_dir(path) {
             Ok(_) => {
                 if !folder.file(PLAN).exists() && !folder.is_unfinished_plan() {
-                    return Err(refuse(
-                        "holds files that are no sweep's".into(),
-                        "name a new or an empty folder",
-                    ));
+                    return Err(refuse("holds files that are no sweep's", "name a new or an empty folder"));
                 }
             }
             Err(e) if e.kind() == ErrorKind::NotFound => {}
             Err(source) if source.kind() == ErrorKind::NotADirectory => {
-                return Err(refuse("is a file".into(), "name a folder"));
+                return Err(refuse("is a file", "name a folder"));
             }
             Err(source) => return Err(SweepError::Read { path: path.to_owned(), source }),
         }
@@ -102,10 +94,9 @@ impl Folder {
             let experiment = sweep.path.canonicalize().unwrap_or_else(|_| sweep.path.clone());
             let plan = folder.plan()?;
             if plan.experiment != experiment {
-                return Err(refuse(
-                    format!("holds the results of another experiment, {}", plan.experiment.display()),
-                    "name another folder",
-                ));
+                let other = plan.experiment.display();
+                let reason = format!("holds the results of another experiment, {other}");
+                return Err(refuse(&reason, "name another folder"));
             }
         }
         folder.clear_unfinished();
@@ -119,11 +110,8 @@ impl Folder {
     pub fn planned(path: &Path) -> Result<Self, SweepError> {
         let folder = Self::at(path);
         if !folder.file(PLAN).is_file() {
-            return Err(SweepError::Folder {
-                path: path.to_owned(),
-                reason: "holds no sweep".into(),
-                remedy: "make one with `aurt sweep run EXPERIMENT --out DIR` or `aurt sweep plan`".into(),
-            });
+            let remedy = "make one with `aurt sweep run EXPERIMENT --out DIR` or `aurt sweep plan`";
+            return Err(refused(path.to_owned(), "holds no sweep", remedy));
         }
         Ok(folder)
     }
@@ -173,11 +161,7 @@ impl Folder {
         let text = aurt_files::read_regular(&path, aurt_files::MOST_MODEL_BYTES)
             .and_then(aurt_files::text_of)
             .map_err(|source| SweepError::Read { path, source })?;
-        let refuse = |reason: String| SweepError::Folder {
-            path: self.file(PLAN),
-            reason,
-            remedy: "plan again in a new folder".into(),
-        };
+        let refuse = |reason: String| refused(self.file(PLAN), &reason, "plan again in a new folder");
         let plan: Plan =
             serde_json::from_str(&text).map_err(|e| refuse(format!("is no plan of this version: {e}")))?;
         if plan.schema != plan::SCHEMA {
@@ -222,14 +206,13 @@ impl Folder {
     /// [`Self::damaged`].
     pub fn result(&self, key: &str) -> Option<PointResult> {
         let bytes = aurt_files::read_bytes(&self.result_file(key), aurt_files::MOST_MODEL_BYTES).ok()?;
-        match kept::from_bytes(&bytes, key) {
-            Found::Whole(result) => Some(*result),
-            Found::Damaged => {
-                let mut damaged = self.damaged.lock().unwrap_or_else(PoisonError::into_inner);
-                damaged.insert(key.to_owned());
-                None
-            }
+        let result: Option<PointResult> = serde_json::from_slice(&bytes).ok();
+        let whole = result.filter(|result| result.is_whole(key));
+        if whole.is_none() {
+            let mut damaged = self.damaged.lock().unwrap_or_else(PoisonError::into_inner);
+            damaged.insert(key.to_owned());
         }
+        whole
     }
 
     /// The files of results that were met so far and are not what was written: cut off, another version's, or changed.
@@ -238,11 +221,10 @@ impl Folder {
         damaged.iter().map(|key| self.result_file(key)).collect()
     }
 
-    pub fn keep(&self, result: &PointResult) -> Result<(), SweepError> {
-        let path = self.result_file(&result.key);
-        let bytes =
-            kept::to_bytes(result).map_err(|e| SweepError::Write { path: path.clone(), source: e.into() })?;
-        write_whole(&path, &bytes)
+    pub fn keep(&self, key: &str, outcome: Outcome) -> Result<(), SweepError> {
+        let path = self.result_file(key);
+        let fail = |e: serde_json::Error| SweepError::Write { path: path.clone(), source: e.into() };
+        write_json(&path, &PointResult::new(key, outcome).map_err(fail)?)
     }
 
     fn result_file(&self, key: &str) -> PathBuf {
@@ -255,6 +237,10 @@ impl Folder {
             clear_unfinished(&self.file(name));
         }
     }
+}
+
+fn refused(path: PathBuf, reason: &str, remedy: &str) -> SweepError {
+    SweepError::Folder { path, reason: reason.to_owned(), remedy: remedy.to_owned() }
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {

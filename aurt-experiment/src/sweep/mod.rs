@@ -17,7 +17,6 @@ mod evaluation;
 mod family;
 mod folder;
 mod identity;
-mod kept;
 mod loading;
 mod place;
 mod plan;
@@ -28,7 +27,7 @@ mod run;
 pub mod slurm;
 
 pub use comparison::{holm, paired, paired_overall};
-pub use definition::{Axis, Definition, Setting, Step, Validate};
+pub use definition::{Definition, Setting, Step, Validate};
 pub use error::{PointError, SweepError};
 pub use folder::Folder;
 pub use identity::code_is_in;

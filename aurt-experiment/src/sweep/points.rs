@@ -88,7 +88,7 @@ fn combinations(definition: &Definition) -> Vec<Vec<&Step>> {
         all = all
             .into_iter()
             .flat_map(|chosen| {
-                axis.steps.iter().map(move |step| {
+                axis.iter().map(move |step| {
                     let mut chosen = chosen.clone();
                     chosen.push(step);
                     chosen
@@ -106,7 +106,7 @@ fn resolve(
     written: &str,
     registry: &mut Registry,
 ) -> Result<Vec<Point>, Vec<Complaint>> {
-    let count: usize = definition.axes.iter().map(|a| a.steps.len()).product();
+    let count: usize = definition.axes.iter().map(Vec::len).product();
     if count > MOST_POINTS {
         let message = format!("[sweep] makes {count} points, more than {MOST_POINTS}");
         return Err(vec![Complaint::new(0..0, message)]);
@@ -220,10 +220,9 @@ fn twins(points: &[Point], definition: &Definition, written: &str) -> Option<Com
     names.sort_unstable();
     let twin = names.windows(2).find(|pair| pair[0] == pair[1])?;
     let doubled = definition.axes.iter().flat_map(|axis| {
-        axis.steps
-            .iter()
+        axis.iter()
             .enumerate()
-            .filter(|(k, step)| axis.steps[..*k].iter().any(|s| name_of(&[s]) == name_of(&[*step])))
+            .filter(|(k, step)| axis[..*k].iter().any(|s| name_of(&[s]) == name_of(&[*step])))
     });
     let span = doubled
         .filter_map(|(_, step)| step.settings.first())

@@ -4,16 +4,36 @@ use aurt_calibration::{CalibratedParameter, ShapeReport};
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-pub const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 2;
 
 /// What became of a point. Results are kept under a hash of all that they depend on, and hold nothing else: no times,
 /// no names of points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointResult {
-    pub schema: u32,
-    pub key: String,
+    schema: u32,
+    key: String,
+    /// BLAKE3 of the key and the outcome as compact JSON. Numbers survive writing and reading to the last bit, so the
+    /// hash of what was read is that of what was written unless somebody changed it.
+    checksum: String,
     pub outcome: Outcome,
+}
+
+impl PointResult {
+    pub(crate) fn new(key: &str, outcome: Outcome) -> serde_json::Result<Self> {
+        Ok(Self { schema: SCHEMA, key: key.to_owned(), checksum: checksum(key, &outcome)?, outcome })
+    }
+
+    /// True if it is the result under a key, of this version, as it was written.
+    pub(crate) fn is_whole(&self, key: &str) -> bool {
+        let same = || checksum(key, &self.outcome).is_ok_and(|sum| sum == self.checksum);
+        self.schema == SCHEMA && self.key == key && same()
+    }
+}
+
+fn checksum(key: &str, outcome: &Outcome) -> serde_json::Result<String> {
+    let text = serde_json::to_vec(&(key, outcome))?;
+    Ok(blake3::hash(&text).to_hex().as_str()[..40].to_owned())
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,10 +5,7 @@ use std::{
     collections::BTreeMap,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
-    sync::{
-        Mutex, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
+    sync::{Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -21,7 +18,7 @@ use crate::sweep::{
     definition::Validate,
     evaluation::evaluate,
     family::{SharedRows, common_part, with_shared_rows},
-    result::{self, Outcome, PointResult},
+    result::Outcome,
 };
 
 /// What is told while points are run.
@@ -80,26 +77,10 @@ pub fn run(
         }
     }
     watch(Event::Begin { missing, present });
-    let work = Runner {
-        plan,
-        folder,
-        loader,
-        watch,
-        failed: AtomicUsize::new(failed),
-        preparation: Mutex::new(Duration::ZERO),
-        points: Mutex::new(Duration::ZERO),
-    };
+    let summary = Summary { present, run: missing, failed, families: families.len(), ..Summary::default() };
+    let work = Runner { plan, folder, loader, watch, summary: Mutex::new(summary) };
     families.values().collect::<Vec<_>>().par_iter().try_for_each(|points| work.family(points))?;
-    let time = |sum: Mutex<Duration>| sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(Summary {
-        present,
-        run: missing,
-        failed: work.failed.into_inner(),
-        elapsed: begin.elapsed(),
-        families: families.len(),
-        preparation: time(work.preparation),
-        points: time(work.points),
-    })
+    Ok(Summary { elapsed: begin.elapsed(), ..work.finished() })
 }
 
 /// Runs one point of a planned sweep, counted from 1; one that has its result already is left alone. Returns whether it
@@ -128,17 +109,9 @@ pub fn run_point(
     if let Some(result) = folder.result(&plan.points[index].key) {
         return Ok(matches!(result.outcome, Outcome::Judged(_)));
     }
-    let runner = Runner {
-        plan: &plan,
-        folder,
-        loader,
-        watch: &|_| (),
-        failed: AtomicUsize::new(0),
-        preparation: Mutex::default(),
-        points: Mutex::default(),
-    };
+    let runner = Runner { plan: &plan, folder, loader, watch: &|_| (), summary: Mutex::default() };
     runner.family(&[(index, &point)])?;
-    Ok(runner.failed.into_inner() == 0)
+    Ok(runner.finished().failed == 0)
 }
 
 /// A point's resolved experiment, as the plan wrote it.
@@ -156,18 +129,24 @@ struct Runner<'a> {
     folder: &'a Folder,
     loader: &'a dyn Loader,
     watch: &'a (dyn Fn(Event) + Sync),
-    failed: AtomicUsize,
-    preparation: Mutex<Duration>,
-    points: Mutex<Duration>,
+    summary: Mutex<Summary>,
 }
 
 impl Runner<'_> {
+    fn finished(self) -> Summary {
+        self.summary.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn summary(&self) -> MutexGuard<'_, Summary> {
+        self.summary.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn family(&self, points: &[(usize, &Point)]) -> Result<(), SweepError> {
         let Some((_, first)) = points.first() else { return Ok(()) };
         let Plan { validate, .. } = *self.plan;
         let begin = Instant::now();
         let run = |rows: &SharedRows<'_>| {
-            add(&self.preparation, begin.elapsed());
+            self.summary().preparation += begin.elapsed();
             points.par_iter().try_for_each(|(k, point)| self.point(*k, point, rows))
         };
         match prepared(first, validate, self.loader, run) {
@@ -187,15 +166,14 @@ impl Runner<'_> {
             Ok(Err(error)) => Outcome::Failed(error.to_string()),
             Err(panic) => Outcome::Failed(PointError::Panic(message(&*panic)).to_string()),
         };
-        add(&self.points, begin.elapsed());
+        self.summary().points += begin.elapsed();
         self.keep(k, outcome)
     }
 
     fn keep(&self, k: usize, outcome: Outcome) -> Result<(), SweepError> {
         let judged = matches!(outcome, Outcome::Judged(_));
-        self.failed.fetch_add(usize::from(!judged), Ordering::Relaxed);
-        let key = self.plan.points[k].key.clone();
-        self.folder.keep(&PointResult { schema: result::SCHEMA, key, outcome })?;
+        self.summary().failed += usize::from(!judged);
+        self.folder.keep(&self.plan.points[k].key, outcome)?;
         (self.watch)(Event::Done { judged });
         Ok(())
     }
@@ -210,10 +188,6 @@ fn prepared<R>(
 ) -> Result<R, PointError> {
     catch_unwind(AssertUnwindSafe(|| with_shared_rows(first, validate, loader, work)))
         .unwrap_or_else(|panic| Err(PointError::Panic(message(&*panic))))
-}
-
-fn add(sum: &Mutex<Duration>, time: Duration) {
-    *sum.lock().unwrap_or_else(PoisonError::into_inner) += time;
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

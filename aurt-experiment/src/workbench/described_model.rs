@@ -12,10 +12,7 @@ use aurt_rbd::{RobotDescription, carry_over};
 use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
 
-use crate::workbench::{
-    experiments::{calibration_options, check_robot_of, instrument},
-    failure::Failure,
-};
+use crate::workbench::{experiments::check_robot_of, failure::Failure};
 
 /// What a description may leave of a joint's torque in the experiment's geometry, over that torque: lengths rounded to a
 /// millimetre leave less, another arm leaves tens of percent.
@@ -138,7 +135,7 @@ fn of_description(
     let values = coefficients(described, &carried.values, &model);
     let calibration = Calibration {
         unit: MeasurementUnit::NewtonMetre,
-        options: calibration_options(experiment),
+        options: experiment.calibration,
         f_dyn_hz: experiment.preprocess.f_dyn_hz,
         parameters: exact_parameters(&model, &values),
         covariance: Vec::new(),
@@ -160,7 +157,7 @@ fn of_description(
         model,
         calibration,
         preprocessing: experiment.preprocess.clone(),
-        instrument: instrument(experiment),
+        instrument: experiment.instrument.clone(),
         origins: Origins::default(),
     })
 }
@@ -191,16 +188,11 @@ pub(super) fn model(
         let level = if friction.coulomb_nm == 0.0 { "absent" } else { "constant" };
         let powers: &[u32] = if friction.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
         let viscous = json!({ "model": "polynomial", "powers": powers });
-        JointStack::new(
-            registry
-                .build_from_json(&json!({ "model": level }))
-                .map_err(aurt_plugins::model::Error::Build)?,
-            registry
-                .build_from_json(&json!({ "model": "sign" }))
-                .map_err(aurt_plugins::model::Error::Build)?,
-            registry.build_from_json(&viscous).map_err(aurt_plugins::model::Error::Build)?,
-        )
-        .map_err(Into::into)
+        Ok(JointStack::new(
+            registry.build_from_json(&json!({ "model": level }))?,
+            registry.build_from_json(&json!({ "model": "sign" }))?,
+            registry.build_from_json(&viscous)?,
+        )?)
     };
     let stacks = described.friction.iter().map(stack).collect::<Result<_, _>>()?;
     let rotors: Vec<usize> =
@@ -208,7 +200,7 @@ pub(super) fn model(
     let mut terms = Vec::new();
     if !rotors.is_empty() {
         let term = json!({ "model": "rotor_inertia", "joints": rotors });
-        terms.push(registry.build_from_json(&term).map_err(aurt_plugins::model::Error::Build)?);
+        terms.push(registry.build_from_json(&term)?);
     }
     Ok(dynamics.with_joint_dynamics(stacks, terms)?)
 }

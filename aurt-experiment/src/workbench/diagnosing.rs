@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{Complaint, Experiment, ExperimentErrors, experiment::RecordingSource};
+use crate::{Complaint, Experiment, ExperimentErrors};
 use aurt::{
     Asked, CalibratedModel, Diagnoser, Part, Progress, Settings,
     data::{Loaded, Purpose, Source},
@@ -23,7 +23,7 @@ use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Value, json};
 
 use crate::workbench::{
-    experiments::{calibration_options, fit_experiment, instrument, source},
+    experiments::{fit_experiment, with_window},
     failure::Failure,
     results::diagnosed_series::DiagnosedSeries,
     simulated,
@@ -111,8 +111,8 @@ pub(super) fn diagnoser(
     };
     let settings = Settings {
         preprocessing: experiment.preprocess.clone(),
-        instrument: instrument(experiment),
-        calibration: calibration_options(experiment),
+        instrument: experiment.instrument.clone(),
+        calibration: experiment.calibration,
     };
     let parts =
         read(experiment, &experiment.robot.robot_joints(), options.most_rows.unwrap_or(MOST_ROWS), |what| {
@@ -243,7 +243,7 @@ fn read(
 ) -> Result<Vec<Part>, Failure> {
     let sections = &experiment.recordings;
     let questioned = if sections.target.is_empty() { Role::Calibration } else { Role::Target };
-    let listed: Vec<(&RecordingSource, Role)> = sections
+    let listed: Vec<(&Source, Role)> = sections
         .calibration
         .iter()
         .map(|s| (s, Role::Calibration))
@@ -264,9 +264,8 @@ fn read(
         });
     }
     let (mut read, mut rows): (Vec<(Source, Stretches, Role)>, Vec<usize>) = Default::default();
-    for (listed, role) in listed {
-        progress(format!("reading {}", listed.written));
-        let source = source(listed);
+    for (source, role) in listed {
+        progress(format!("reading {}", source.label));
         // A prediction has a value for each row, and a part that the experiment chose is wanted as it is.
         let stretches = if simulated.is_empty() && source.window_s.is_none() {
             let options = source.read_options(Some(joints), Purpose::Validation);
@@ -277,7 +276,7 @@ fn read(
             )
         };
         rows.push(stretches.rows());
-        read.push((source, stretches, role));
+        read.push((source.clone(), stretches, role));
         // The more recordings there are, the less of each is held.
         let most_each = fair_share(rows.clone(), most_rows);
         let thinned = read.into_iter().map(|(source, kept, role)| (source, kept.at_most(most_each), role));
@@ -310,14 +309,11 @@ fn fair_share(mut rows: Vec<usize>, most: usize) -> usize {
 }
 
 /// What was held out, with its windows: two parts of one file are two recordings.
-fn with_windows(held_out: &[String], validation: &[RecordingSource]) -> Vec<String> {
+fn with_windows(held_out: &[String], validation: &[Source]) -> Vec<String> {
     let mut sources = validation.iter();
     held_out
         .iter()
-        .map(|name| match sources.find(|s| s.written == *name).and_then(|s| s.window_s) {
-            Some([from, to]) => format!("{name} from {from} to {to} s"),
-            None => name.clone(),
-        })
+        .map(|name| with_window(name, sources.find(|s| s.label == *name).and_then(|s| s.window_s)))
         .collect()
 }
 

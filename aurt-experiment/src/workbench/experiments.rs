@@ -1,42 +1,45 @@
-//! What an experiment asks of the library: its recordings, instrument, options, and the fit of its model.
+//! The fit that an experiment asks for, and whether a model is of its robot.
 
-use crate::{
-    Experiment,
-    experiment::{self, RecordingSource},
-};
+use crate::Experiment;
 use aurt::{
     CalibratedModel, Outcome, Progress,
-    data::{Instrument, Source},
+    data::Loaded,
     fitting::{Assigned, Detail, Job},
     origins::Origins,
 };
-use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
+use aurt_calibration::TermScopes;
 use aurt_rbd::geometry_difference;
-use aurt_recording::RobotJoints;
+use aurt_recording::{PreprocessOptions, Recording, RecordingError, RobotJoints};
 use aurt_traits::MeasurementUnit;
 
 use crate::workbench::failure::Failure;
 
-/// `[instrument]`, and what of `[robot]` concerns it.
-pub fn instrument(experiment: &Experiment) -> Instrument {
-    let i = &experiment.instrument;
-    Instrument {
-        torque_constants_nm_per_a: experiment.robot.torque_constants_nm_per_a.clone(),
-        gains: i.gains.clone(),
-        offsets: i.offsets.clone(),
-        delay_s: i.delay_s.clone(),
+/// The part of a recording that is used.
+pub fn windowed(loaded: &Loaded) -> Result<Recording, RecordingError> {
+    match loaded.source.window_s {
+        Some(window) => loaded.recording.window(window),
+        None => Ok(loaded.recording.clone().into()),
     }
 }
 
-pub fn source(source: &RecordingSource) -> Source {
-    Source {
-        file: source.file.clone(),
-        label: source.written.clone(),
-        window_s: source.window_s,
-        unit: source.unit,
-        columns: source.columns.as_ref().map(Into::into),
-        recorded: source.recorded.clone(),
+/// The name of a part of a recording: two parts of one file are two recordings.
+pub fn with_window(name: &str, window_s: Option<[f64; 2]>) -> String {
+    match window_s {
+        Some([from, to]) => format!("{name} from {from} to {to} s"),
+        None => name.to_owned(),
     }
+}
+
+/// Measurements in the unit of a model: (raw − offset) · gain.
+pub fn undone(measured: &[Vec<f64>], options: &PreprocessOptions) -> Vec<Vec<f64>> {
+    let of = |all: &Option<Vec<f64>>, j: usize, otherwise: f64| {
+        all.as_ref().and_then(|list| list.get(j)).copied().unwrap_or(otherwise)
+    };
+    let joint = |(j, series): (usize, &Vec<f64>)| {
+        let (gain, offset) = (of(&options.gains, j, 1.0), of(&options.offsets, j, 0.0));
+        series.iter().map(|raw| (raw - offset) * gain).collect()
+    };
+    measured.iter().enumerate().map(joint).collect()
 }
 
 /// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, the same
@@ -75,7 +78,7 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
 
 /// In what the drives of an experiment differ from those of a model: with other torque constants, currents are other torques.
 fn constants_difference(calibrated: &CalibratedModel, experiment: &Experiment) -> Option<String> {
-    let theirs = experiment.robot.torque_constants_nm_per_a.as_ref()?;
+    let theirs = experiment.instrument.torque_constants_nm_per_a.as_ref()?;
     let ours = calibrated.instrument.torque_constants_nm_per_a.as_ref();
     let listed = |constants: &[f64]| constants.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
     match ours {
@@ -95,8 +98,8 @@ pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
     Ok(Job {
         model: experiment.robot_model()?,
         preprocessing: experiment.preprocess.clone(),
-        instrument: instrument(experiment),
-        options: calibration_options(experiment),
+        instrument: experiment.instrument.clone(),
+        options: experiment.calibration,
         scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
     })
 }
@@ -114,41 +117,10 @@ pub fn fit_and_keep(
     let recordings = &experiment.recordings;
     progress.step("compiling the model");
     let job = job(experiment)?;
-    let assigned = job.read(
-        recordings.calibration.iter().map(source),
-        recordings.validation.iter().map(source),
-        progress,
-    )?;
+    let assigned =
+        job.read(recordings.calibration.iter().cloned(), recordings.validation.iter().cloned(), progress)?;
     let mut outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
     outcome.calibrated.origins =
         Origins::of(Some(&experiment.source_text), assigned.iter().map(Assigned::origin));
     Ok((outcome, assigned))
-}
-
-/// `[calibration]` and what of `[preprocess]` concerns it.
-pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
-    let experiment::Calibration { estimator, load_torque, rest, fit_shapes, prior_weight: _ } =
-        experiment.calibration;
-    CalibrationOptions {
-        estimator: match estimator {
-            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
-            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
-            experiment::Estimator::Consistent => Estimator::Consistent,
-            experiment::Estimator::Essential => Estimator::Essential,
-            experiment::Estimator::ReweightedLeastSquares => Estimator::Irls,
-            // Of drives, which are not calibrated with these options.
-            experiment::Estimator::OutputError => Estimator::Wls,
-        },
-        load_torque: match load_torque {
-            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
-            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
-        },
-        rest: match rest {
-            experiment::Rest::Keep => Rest::Keep,
-            experiment::Rest::Exclude => Rest::Exclude,
-        },
-        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
-        fit_shapes,
-        deviations: Deviations::Memory,
-    }
 }

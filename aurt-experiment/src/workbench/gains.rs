@@ -48,8 +48,7 @@ pub fn drive_gains(
     progress: &Progress,
 ) -> Result<DriveGains, Failure> {
     let job = experiments::job(experiment)?;
-    let assigned =
-        job.read(experiment.recordings.calibration.iter().map(experiments::source), [], progress)?;
+    let assigned = job.read(experiment.recordings.calibration.iter().cloned(), [], progress)?;
     SampleRegister::check(assigned.iter().map(|a| (&a.loaded, a.role.name())))?;
     let pipeline = job.pipeline();
     pipeline.common_unit(assigned.iter().map(|a| &a.loaded))?;
@@ -71,7 +70,7 @@ pub fn drive_gains(
     };
     gains.warnings.extend(assigned.iter().flat_map(|a| a.loaded.warnings()));
     let unit = assigned.first().map_or_else(MeasurementUnit::default, |a| a.loaded.recording.unit);
-    let stated = experiment.robot.torque_constants_nm_per_a.clone();
+    let stated = experiment.instrument.torque_constants_nm_per_a.clone();
     let is_whole = question == Question::Estimate && gains.joints.iter().all(|g| g.decided == Decided::Gain);
     let values = |of: &dyn Fn(usize, f64) -> f64| -> Option<Vec<f64>> {
         is_whole.then(|| gains.joints.iter().enumerate().map(|(j, g)| rounded(of(j, g.value))).collect())

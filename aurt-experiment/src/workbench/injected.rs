@@ -1,19 +1,13 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use crate::{
-    Experiment,
-    experiment::{Geometry, RecordingSource},
-};
-use aurt::{
-    data::{Pipeline, Purpose},
-    duplicates::SampleRegister,
-};
+use crate::{Experiment, experiment::Geometry};
+use aurt::{data::Purpose, duplicates::SampleRegister};
 use aurt_files::escaped;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
 use crate::workbench::{
-    experiments::{instrument, source},
+    experiments::{undone, windowed, with_window},
     failure::Failure,
 };
 
@@ -32,38 +26,20 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
             "leave out the arm term and the recordings that have it",
         ));
     }
-    let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
-    let pipeline = Pipeline {
-        joints: experiment.robot.robot_joints(),
-        preprocessing: &preprocessing,
-        instrument: &instrument,
-    };
-    let parts = &experiment.recordings;
-    let mut sources: Vec<&RecordingSource> = Vec::new();
-    for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
-        if !sources.iter().any(|s| s.is_the_same_as(source)) {
-            sources.push(source);
-        }
-    }
+    let pipeline = experiment.pipeline();
+    let sources = experiment.recordings.each_once().into_iter();
     let loaded = sources
-        .iter()
-        .map(|s| pipeline.read(source(s), Purpose::Validation))
+        .map(|source| pipeline.read(source.clone(), Purpose::Validation))
         .collect::<Result<Vec<_>, _>>()?;
     SampleRegister::check(loaded.iter().map(|loaded| (loaded, "recordings")))?;
     let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
     let mut recordings = Vec::new();
     for loaded in &loaded {
         let options = pipeline.options(loaded.recording.unit, Purpose::Calibration);
-        let whole = match loaded.source.window_s {
-            Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone().into(),
-        };
-        let name = match loaded.source.window_s {
-            Some([from, to]) => format!("{} from {from} to {to} s", loaded.source.label),
-            None => loaded.source.label.clone(),
-        };
-        let recording =
-            Recording { velocity_rad_s: None, unit, ..undone(whole, options.gains, options.offsets) };
+        let whole = windowed(loaded)?;
+        let measurement = whole.measurement.as_deref().map(|measured| undone(measured, &options));
+        let recording = Recording { velocity_rad_s: None, measurement, unit, ..whole };
+        let name = with_window(&loaded.source.label, loaded.source.window_s);
         recordings.push(RealRecording { name, recording });
     }
     let mut options = pipeline.options(unit, Purpose::Calibration);
@@ -85,21 +61,6 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         structure: structure(experiment)?,
         recordings,
     })
-}
-
-/// The recording in the model's unit: (raw − offset) · gain.
-fn undone(recording: Recording, gains: Option<Vec<f64>>, offsets: Option<Vec<f64>>) -> Recording {
-    let of = |all: &Option<Vec<f64>>, j: usize, otherwise: f64| {
-        all.as_ref().and_then(|list| list.get(j)).copied().unwrap_or(otherwise)
-    };
-    let measurement = recording.measurement.as_ref().map(|measured| {
-        let joint = |(j, series): (usize, &Vec<f64>)| {
-            let (gain, offset) = (of(&gains, j, 1.0), of(&offsets, j, 0.0));
-            series.iter().map(|raw| (raw - offset) * gain).collect()
-        };
-        measured.iter().enumerate().map(joint).collect()
-    });
-    Recording { measurement, ..recording }
 }
 
 /// The experiment's text without its recordings, with the geometry beside it and the gains undone.

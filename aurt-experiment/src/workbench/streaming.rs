@@ -27,11 +27,8 @@ pub fn fit_experiment_in_stretches(
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
     progress.step("compiling the model");
-    let recordings = &experiment.recordings;
-    let role = |role| move |source| (experiments::source(source), role);
-    let calibration = recordings.calibration.iter().map(role(Role::Calibration));
-    let assigned: Vec<(Source, Role)> =
-        calibration.chain(recordings.validation.iter().map(role(Role::Validation))).collect();
+    let sources = experiment.recordings.fitted_and_held_out();
+    let assigned: Vec<(Source, Role)> = sources.map(|(source, role)| (source.clone(), role)).collect();
     let mut outcome = fit_in_stretches(&experiments::job(experiment)?, &assigned, because, progress)?;
     outcome.calibrated.origins.experiment_blake3 =
         Origins::of(Some(&experiment.source_text), []).experiment_blake3;

@@ -1,16 +1,14 @@
 //! How a sweep reads recordings and fits: as `aurt run` does.
 
+use crate::Experiment;
 use crate::sweep::{Data, Loader, PointError, Settings, Validate};
-use crate::{Experiment, experiment::RecordingSource};
 use aurt::{
     Error, Role,
-    data::{Loaded, Pipeline, Purpose},
+    data::{Loaded, Purpose, Source},
     duplicates::SampleRegister,
     fitting::judged_rows,
 };
 use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
-
-use crate::workbench::experiments::{calibration_options, instrument, source};
 
 #[derive(Debug, Clone, Copy)]
 pub struct ExperimentLoader;
@@ -23,10 +21,7 @@ impl Loader for ExperimentLoader {
     fn settings(&self, experiment: &Experiment) -> Settings {
         Settings {
             // Points are ranked by their errors; deviations that look at the rows again would cost more than a variant.
-            calibration: CalibrationOptions {
-                deviations: Deviations::White,
-                ..calibration_options(experiment)
-            },
+            calibration: CalibrationOptions { deviations: Deviations::White, ..experiment.calibration },
             shapes: ShapeOptions::default(),
             rows: judged_rows(Role::Validation, experiment.preprocess.trim_rest),
         }
@@ -34,14 +29,9 @@ impl Loader for ExperimentLoader {
 }
 
 fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Error> {
-    let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
-    let pipeline = Pipeline {
-        joints: experiment.robot.robot_joints(),
-        preprocessing: &preprocessing,
-        instrument: &instrument,
-    };
-    let each = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Error> {
-        sources.iter().map(|recording| pipeline.read(source(recording), purpose)).collect()
+    let pipeline = experiment.pipeline();
+    let each = |sources: &[Source], purpose| -> Result<Vec<Loaded>, Error> {
+        sources.iter().map(|source| pipeline.read(source.clone(), purpose)).collect()
     };
     let prepare = |recordings: &[Loaded], purpose| -> Result<Vec<_>, Error> {
         recordings.iter().map(|loaded| pipeline.preprocess(loaded, purpose)).collect()

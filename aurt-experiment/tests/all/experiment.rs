@@ -4,12 +4,11 @@
 
 use std::{fs, path::Path};
 
-use aurt_experiment::{
-    Error, Experiment,
-    experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, RecordingSource, Rest},
-};
+use aurt::data::Source;
+use aurt_calibration::{Estimator, LoadTorqueChoice, Rest};
+use aurt_experiment::{Error, Experiment};
 use aurt_plugins::Registry;
-use aurt_recording::{AngleUnit, CurrentUnit, DroppedRows, TimeUnit};
+use aurt_recording::{AngleUnit, ColumnRef, ColumnsRef, CurrentUnit, DroppedRows, TimeUnit};
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
@@ -81,7 +80,7 @@ fn every_key_of_the_contract_is_read() {
     assert_eq!(e.joints(), 2);
     assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("mdh.csv"));
     assert_eq!(e.robot.gravity_m_s2, [0.0, 0.0, -9.81]);
-    assert_eq!(e.robot.torque_constants_nm_per_a.as_deref(), Some(&[11.976, 9.839][..]));
+    assert_eq!(e.instrument.torque_constants_nm_per_a.as_deref(), Some(&[11.976, 9.839][..]));
     let stacks = e.joint_dynamics.stacks(2).unwrap();
     let names =
         |j: usize| (stacks[j].coulomb().name(), stacks[j].hysteresis().name(), stacks[j].viscous().name());
@@ -90,19 +89,20 @@ fn every_key_of_the_contract_is_read() {
     assert_eq!(stacks[1].viscous().columns().len(), 3);
     assert_eq!(e.instrument.gains.as_deref(), Some(&[1.0, 1.02][..]));
     assert_eq!(e.instrument.delay_s.as_deref(), Some(&[0.0, 0.002][..]));
-    assert_eq!(e.recordings.calibration[0].written, "a.csv");
+    assert_eq!(e.recordings.calibration[0].label, "a.csv");
     assert_eq!(e.recordings.calibration[1].window_s, Some([0.0, 30.0]));
     let validation = &e.recordings.validation[0];
     assert_eq!(validation.unit, Some(MeasurementUnit::Ampere));
     let columns = validation.columns.as_ref().unwrap();
-    assert_eq!(columns.time, Some(ColumnName::Index(0)));
-    assert_eq!(columns.position, JointColumns::Range { first: 1, last: 2 });
+    assert_eq!(columns.time, Some(ColumnRef::Index(0)));
+    assert_eq!(columns.position, Some(ColumnsRef::Range { first: 1, last: 2 }));
     assert_eq!(columns.velocity, None);
-    assert_eq!(columns.measurement, Some(JointColumns::Names(vec!["i0".into(), "i1".into()])));
+    let names = ["i0", "i1"].map(|name| ColumnRef::Name(name.into()));
+    assert_eq!(columns.measurement, Some(ColumnsRef::List(names.into())));
     assert_eq!(e.recordings.target[0].file, folder.path().join("b.csv"));
     assert_eq!((e.preprocess.f_dyn_hz, e.preprocess.sample_rate_hz), (2.5, Some(100.0)));
     assert!(!e.preprocess.trim_rest);
-    assert_eq!(e.calibration.estimator, Estimator::OrdinaryLeastSquares);
+    assert_eq!(e.calibration.estimator, Estimator::Ols);
     assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Literal);
     assert_eq!(e.calibration.rest, Rest::Exclude);
     assert!(!e.calibration.fit_shapes);
@@ -125,7 +125,7 @@ fn what_is_left_out_has_its_default() {
     assert_eq!((stack.coulomb().name(), stack.hysteresis().name()), ("constant", "sign"));
     assert_eq!((stack.viscous().name(), stack.viscous().columns().len()), ("polynomial", 1));
     assert_eq!(e.preprocess.f_dyn_hz, 10.0);
-    assert_eq!(e.calibration.estimator, Estimator::WeightedLeastSquares);
+    assert_eq!(e.calibration.estimator, Estimator::Wls);
     assert!(e.calibration.fit_shapes);
     assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Fitted);
 }
@@ -145,7 +145,7 @@ fn dotted_inline_and_headed_tables_are_the_same() {
     let stacks = e.joint_dynamics.stacks(2).unwrap();
     assert_eq!((stacks[0].coulomb().name(), stacks[1].coulomb().name()), ("absolute", "square"));
     assert_eq!(stacks[1].viscous().columns().len(), 2);
-    assert_eq!(e.calibration.estimator, Estimator::OrdinaryLeastSquares);
+    assert_eq!(e.calibration.estimator, Estimator::Ols);
 }
 
 #[test]
@@ -390,9 +390,9 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     let text = format!("schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0, 0, -9.81]\n{recordings}");
     let e = read(folder().path(), &text).unwrap();
     let [plain, own] = &e.recordings.calibration[..] else { panic!("{:?}", e.recordings) };
-    let first = |source: &RecordingSource| match &source.columns.as_ref().unwrap().position {
-        JointColumns::Range { first, .. } => *first,
-        JointColumns::Numbers(_) | JointColumns::Names(_) => panic!("{source:?}"),
+    let first = |source: &Source| match &source.columns.as_ref().unwrap().position {
+        Some(ColumnsRef::Range { first, .. }) => *first,
+        _ => panic!("{source:?}"),
     };
     assert_eq!((first(plain), first(own)), (1, 4));
     assert!([plain, own].iter().all(|s| s.recorded.drop == Some(DroppedRows::NotANumber)));

@@ -15,9 +15,10 @@ pub struct Kind {
     pub cures: Vec<Vec<String>>,
 }
 
-type Make = fn(&mut Setup, &mut Random) -> Option<(String, Vec<Vec<String>>)>;
+/// The detail of a mistake that was made, and what tells it with its cure; nothing for a setup that cannot have it.
+type Made = Option<(String, Vec<Vec<String>>)>;
+type Make = fn(&mut Setup, &mut Random) -> Made;
 
-/// The kinds; each gives nothing for a setup that cannot have it.
 const KINDS: [(&str, Make); 32] = [
     ("zero of a joint a quarter or half a turn off", zero),
     ("position of a joint with the other sign", |s, r| sign(s, r, true)),
@@ -89,7 +90,7 @@ fn each(setup: &mut Setup, change: impl Fn(&mut Log)) {
 }
 
 /// Zeros of the last joint are those of its body, and so is that of the first one where gravity lies along its axis.
-fn zero(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn zero(setup: &mut Setup, random: &mut Random) -> Made {
     if setup.joints() < 3 {
         return None;
     }
@@ -105,7 +106,7 @@ fn turn(series: &mut [f64]) {
     series.iter_mut().for_each(|v| *v = -*v);
 }
 
-fn sign(setup: &mut Setup, random: &mut Random, position: bool) -> Option<(String, Vec<Vec<String>>)> {
+fn sign(setup: &mut Setup, random: &mut Random, position: bool) -> Made {
     let joint = random.index(setup.joints());
     each(setup, |log| {
         turn(if position { &mut log.position_rad[joint] } else { &mut log.measurement[joint] });
@@ -113,7 +114,7 @@ fn sign(setup: &mut Setup, random: &mut Random, position: bool) -> Option<(Strin
     Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
 }
 
-fn all_signs(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn all_signs(setup: &mut Setup, _: &mut Random) -> Made {
     each(setup, |log| log.measurement.iter_mut().for_each(|y| turn(y)));
     Some((String::new(), words(&[&["gains of -1 for all joints"], &["check the signs"]])))
 }
@@ -123,12 +124,7 @@ fn two(joints: usize, random: &mut Random) -> [usize; 2] {
     [first, first + 1 + random.index(joints - 1 - first)]
 }
 
-fn exchanged(
-    setup: &mut Setup,
-    random: &mut Random,
-    position: bool,
-    measurement: bool,
-) -> Option<(String, Vec<Vec<String>>)> {
+fn exchanged(setup: &mut Setup, random: &mut Random, position: bool, measurement: bool) -> Made {
     let [a, b] = two(setup.joints(), random);
     each(setup, |log| {
         if position {
@@ -141,7 +137,7 @@ fn exchanged(
     Some((format!("joints {a} and {b}"), vec![vec![format!("{} exchanged", called(setup, &[a, b]))]]))
 }
 
-fn from_tip(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn from_tip(setup: &mut Setup, _: &mut Random) -> Made {
     each(setup, |log| {
         log.position_rad.reverse();
         log.measurement.reverse();
@@ -150,7 +146,7 @@ fn from_tip(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String
     Some((String::new(), cures))
 }
 
-fn other_robot(setup: &mut Setup, random: &mut Random, family: bool) -> Option<(String, Vec<Vec<String>>)> {
+fn other_robot(setup: &mut Setup, random: &mut Random, family: bool) -> Made {
     let Geometry::Name(own) = &setup.geometry else { return None };
     let others: &[&str] = match (own.as_str(), family) {
         ("ur5e", true) => &["ur3e", "ur10e", "ur16e"],
@@ -166,7 +162,7 @@ fn other_robot(setup: &mut Setup, random: &mut Random, family: bool) -> Option<(
     Some((detail, cure))
 }
 
-fn gravity(setup: &mut Setup, changed: impl Fn([f64; 3]) -> [f64; 3]) -> Option<(String, Vec<Vec<String>>)> {
+fn gravity(setup: &mut Setup, changed: impl Fn([f64; 3]) -> [f64; 3]) -> Made {
     let own = setup.gravity_m_s2;
     setup.gravity_m_s2 = changed(own);
     // The opposite of what stands may be what stood.
@@ -181,7 +177,7 @@ fn gravity(setup: &mut Setup, changed: impl Fn([f64; 3]) -> [f64; 3]) -> Option<
 
 const ANGLES: &[&[&str]] = &[&["angle"], &["gear_ratio"], &["counts_per_revolution"]];
 
-fn degrees(setup: &mut Setup, written: bool) -> Option<(String, Vec<Vec<String>>)> {
+fn degrees(setup: &mut Setup, written: bool) -> Made {
     if setup.declared.gear_ratio.is_some() {
         return None;
     }
@@ -190,7 +186,7 @@ fn degrees(setup: &mut Setup, written: bool) -> Option<(String, Vec<Vec<String>>
     Some((String::new(), words(ANGLES)))
 }
 
-fn degrees_in_one(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn degrees_in_one(setup: &mut Setup, random: &mut Random) -> Made {
     if setup.logs.len() < 2 || setup.declared.degrees || setup.declared.gear_ratio.is_some() {
         return None;
     }
@@ -199,7 +195,7 @@ fn degrees_in_one(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec
     Some((file_name(log), vec![vec![file_name(log), "angle".into()]]))
 }
 
-fn gears(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn gears(setup: &mut Setup, random: &mut Random) -> Made {
     if setup.declared.degrees {
         return None;
     }
@@ -209,25 +205,25 @@ fn gears(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<Stri
     Some((format!("{ratio}"), words(ANGLES)))
 }
 
-fn milliseconds(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn milliseconds(setup: &mut Setup, _: &mut Random) -> Made {
     setup.declared.milliseconds = false;
     each(setup, |log| log.units.milliseconds = true);
     Some((String::new(), words(&[&["time = \"ms\""]])))
 }
 
-fn seconds(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn seconds(setup: &mut Setup, _: &mut Random) -> Made {
     setup.declared.milliseconds = true;
     each(setup, |log| log.units.milliseconds = false);
     Some((String::new(), words(&[&["`time"], &["time ="]])))
 }
 
-fn clock(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn clock(setup: &mut Setup, random: &mut Random) -> Made {
     let factor = [2.0, 0.5, 4.0, 0.25, 10.0][random.index(5)];
     each(setup, |log| log.time_s.iter_mut().for_each(|t| *t *= factor));
     Some((format!("{factor}"), words(&[&["multiply the stamps"], &["rate_hz"]])))
 }
 
-fn milliampere(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn milliampere(setup: &mut Setup, _: &mut Random) -> Made {
     if setup.unit != MeasurementUnit::Ampere {
         return None;
     }
@@ -236,7 +232,7 @@ fn milliampere(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<Str
     Some((String::new(), words(&[&["current = \"mA\""]])))
 }
 
-fn newton_millimetres(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn newton_millimetres(setup: &mut Setup, _: &mut Random) -> Made {
     if setup.unit != MeasurementUnit::NewtonMetre {
         return None;
     }
@@ -244,7 +240,7 @@ fn newton_millimetres(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<
     Some((String::new(), words(&[&["Nmm"]])))
 }
 
-fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Made {
     let [a, b] = two(setup.joints(), random);
     let constants = setup.constants_nm_per_a.as_mut()?;
     if (0.8..1.25).contains(&(constants[a] / constants[b])) {
@@ -257,20 +253,20 @@ fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Option<(String
     ))
 }
 
-fn constant_off(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn constant_off(setup: &mut Setup, random: &mut Random) -> Made {
     let joint = random.index(setup.joints());
     let factor = if random.chance(0.5) { 10.0 } else { 0.1 };
     setup.constants_nm_per_a.as_mut()?[joint] *= factor;
     Some((format!("joint {joint}, {factor}"), joint_words(setup, joint, &["constant"])))
 }
 
-fn constant_sign(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn constant_sign(setup: &mut Setup, random: &mut Random) -> Made {
     let joint = random.index(setup.joints());
     setup.constants_nm_per_a.as_mut()?[joint] *= -1.0;
     Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
 }
 
-fn delay(setup: &mut Setup, random: &mut Random, one: bool) -> Option<(String, Vec<Vec<String>>)> {
+fn delay(setup: &mut Setup, random: &mut Random, one: bool) -> Made {
     if one && setup.logs.len() < 2 {
         return None;
     }
@@ -291,7 +287,7 @@ fn delay(setup: &mut Setup, random: &mut Random, one: bool) -> Option<(String, V
     Some((format!("{:.0} ms", 1e3 * delay_s), vec![cure]))
 }
 
-fn one_too_far(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn one_too_far(setup: &mut Setup, random: &mut Random) -> Made {
     let joints = setup.joints();
     // Positions from the second on, and the first measurement; or the last position before the measurements.
     let position = random.chance(0.5);
@@ -300,7 +296,7 @@ fn one_too_far(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Ve
     Some((if position { "positions" } else { "measurements" }.into(), words(cures)))
 }
 
-fn copied(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn copied(setup: &mut Setup, random: &mut Random) -> Made {
     let [a, b] = two(setup.joints(), random);
     let position = random.chance(0.5);
     each(setup, |log| {
@@ -314,7 +310,7 @@ fn copied(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<Str
     ))
 }
 
-fn mdh_rows(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn mdh_rows(setup: &mut Setup, _: &mut Random) -> Made {
     if setup.geometry != Geometry::Table {
         return None;
     }
@@ -322,7 +318,7 @@ fn mdh_rows(setup: &mut Setup, _: &mut Random) -> Option<(String, Vec<Vec<String
     Some((String::new(), words(&[&["`mdh_rows` to \"next\""]])))
 }
 
-fn table(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
+fn table(setup: &mut Setup, random: &mut Random) -> Made {
     if setup.geometry != Geometry::Table {
         return None;
     }

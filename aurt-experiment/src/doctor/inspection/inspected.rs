@@ -7,6 +7,7 @@ use aurt_diagnosis::RecordingFaults;
 use aurt_recording::{Preprocessed, RecordedAs, Segment, StampUnit, TimeUnit};
 use aurt_report::rendering::{
     style::{Emphasis, Style},
+    table::Table,
     text::wrapped,
 };
 use aurt_traits::{ModelError, Motion, RobotNames};
@@ -50,6 +51,8 @@ pub struct Inspected {
     pub joints: Vec<JointReport>,
     /// The unit of its stamps, where that is another than was said; the recording is read in it.
     pub stamps: Option<StampUnit>,
+    /// Parameters that its motion determines by itself, where the geometry is known.
+    pub judged: Option<Judged>,
 }
 
 impl Inspected {
@@ -61,7 +64,7 @@ impl Inspected {
             Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
         let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
         let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
-        Ok(Self { loaded, prepared, joints, stamps })
+        Ok(Self { loaded, prepared, joints, stamps, judged: None })
     }
 
     pub fn label(&self) -> &str {
@@ -106,6 +109,15 @@ impl Inspected {
         findings
     }
 
+    /// Sentences to be heeded if it is calibrated on alone.
+    pub fn findings(&self) -> Vec<String> {
+        let mut findings = self.faults();
+        let moves: Vec<bool> = self.joints.iter().map(|joint| joint.moves()).collect();
+        findings.extend(rest(&moves, self.names()));
+        findings.extend(self.judged.iter().flat_map(Judged::findings));
+        findings
+    }
+
     /// The recording as a calibration takes it, cut to the motion, with joints that rest exactly at rest: the noise of a
     /// sensor excites nothing.
     pub fn still(&self, preprocessing: &Preprocessing) -> Result<NamedRecording, Failure> {
@@ -125,7 +137,7 @@ impl Inspected {
         Ok(NamedRecording { name: self.label().to_owned(), data })
     }
 
-    pub fn to_text(&self, judged: Option<&Judged>, style: Style) -> String {
+    pub fn to_text(&self, style: Style) -> String {
         let recording = &self.loaded.recording;
         let unit = recording.unit;
         let title = |text: &str| style.emphasise(Emphasis::Title, text);
@@ -142,16 +154,20 @@ impl Inspected {
             }
         );
         text.extend(self.notes().iter().map(|n| wrapped(n)));
-        let [motion, sensors] = tables(&self.joints, unit, self.names());
-        text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
-        text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
-        if let Some(judged) = judged {
+        let left = usize::from(!self.names().joints.is_empty());
+        let tables = tables(&self.joints, unit, self.names());
+        for (what, (headings, rows)) in ["motion", "sensors: steps and white noise"].into_iter().zip(tables) {
+            let mut table = Table::new(headings).left(left);
+            rows.into_iter().for_each(|row| table.row(row));
+            text.push_str(&format!("\n{}\n{}", title(what), table.render()));
+        }
+        if let Some(judged) = &self.judged {
             text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
         }
         text
     }
 
-    pub fn to_json(&self, judged: Option<&Judged>, findings: &[String]) -> Value {
+    pub fn to_json(&self) -> Value {
         let recording = &self.loaded.recording;
         json!({
             "file": self.loaded.source.file,
@@ -162,8 +178,8 @@ impl Inspected {
             "preprocessing": self.prepared.report,
             "joints": self.joints,
             "suitable_f_dyn_hz": self.suitable_f_dyn_hz(),
-            "excitation": judged.map(Judged::to_json),
-            "findings": findings,
+            "excitation": self.judged.as_ref().map(Judged::to_json),
+            "findings": self.findings(),
         })
     }
 }

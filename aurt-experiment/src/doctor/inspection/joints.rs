@@ -1,7 +1,7 @@
 //! What a recording covers and how its sensors are, joint by joint.
 
 use aurt_recording::{PositionNoise, Preprocessed, Recording};
-use aurt_report::rendering::{number::significant, table::Table};
+use aurt_report::rendering::number::significant;
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
@@ -90,36 +90,18 @@ fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }
 
-/// Motion and sensors as two tables.
-pub fn tables(joints: &[JointReport], unit: MeasurementUnit, names: RobotNames<'_>) -> [Table; 2] {
+/// Motion and sensors as two tables, each its headings and its rows.
+pub fn tables(
+    joints: &[JointReport],
+    unit: MeasurementUnit,
+    names: RobotNames<'_>,
+) -> [(Vec<String>, Vec<Vec<String>>); 2] {
     let short = |value: f64| significant(value, 3);
     let maybe = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
-    let named = usize::from(!names.joints.is_empty());
-    let mut motion = Table::new([
-        "joint",
-        "from rad",
-        "to rad",
-        "|q̇| rad/s",
-        "|q̈| rad/s²",
-        "moving %",
-        "reversals",
-        "below Hz",
-    ])
-    .left(named);
-    let symbol = unit.symbol();
-    let mut sensors = Table::new([
-        "joint".to_owned(),
-        "step rad".into(),
-        "noise rad".into(),
-        format!("from {symbol}"),
-        format!("to {symbol}"),
-        format!("rms {symbol}"),
-        format!("step {symbol}"),
-        format!("noise {symbol}"),
-    ])
-    .left(named);
-    for (j, joint) in joints.iter().enumerate() {
-        motion.row([
+    let motion =
+        ["joint", "from rad", "to rad", "|q̇| rad/s", "|q̈| rad/s²", "moving %", "reversals", "below Hz"];
+    let motion_of = |(j, joint): (usize, &JointReport)| {
+        vec![
             names.joint_cell(j),
             short(joint.position_rad[0]),
             short(joint.position_rad[1]),
@@ -128,9 +110,13 @@ pub fn tables(joints: &[JointReport], unit: MeasurementUnit, names: RobotNames<'
             format!("{:.0}", 100.0 * joint.moving_share),
             joint.reversals.to_string(),
             maybe(joint.bandwidth_hz),
-        ]);
+        ]
+    };
+    let measured = ["from", "to", "rms", "step", "noise"].map(|of| format!("{of} {}", unit.symbol()));
+    let sensors = ["joint", "step rad", "noise rad"].map(str::to_owned).into_iter().chain(measured);
+    let sensors_of = |(j, joint): (usize, &JointReport)| {
         let m = joint.measurement.as_ref();
-        sensors.row([
+        vec![
             names.joint_cell(j),
             maybe(joint.position_step_rad),
             maybe(joint.position_noise_rad),
@@ -139,7 +125,10 @@ pub fn tables(joints: &[JointReport], unit: MeasurementUnit, names: RobotNames<'
             maybe(m.map(|m| m.rms)),
             maybe(m.and_then(|m| m.step)),
             maybe(m.and_then(|m| m.noise)),
-        ]);
-    }
-    [motion, sensors]
+        ]
+    };
+    [
+        (motion.map(str::to_owned).into(), joints.iter().enumerate().map(motion_of).collect()),
+        (sensors.collect(), joints.iter().enumerate().map(sensors_of).collect()),
+    ]
 }

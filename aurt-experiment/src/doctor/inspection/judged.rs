@@ -13,7 +13,6 @@ use aurt_traits::{
 use serde_json::{Value, json};
 
 use super::excitation::{Excitation, Excited, judge};
-use crate::doctor::report::Excited as ExcitedNames;
 
 /// A parameter whose column is imitated by others up to this share of its own is hard to tell from them.
 const SMALL_OWN_SHARE: f64 = 0.02;
@@ -30,33 +29,19 @@ pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result
     registry.build_from_json(&table).map_err(Into::into)
 }
 
-/// Coulomb and linear viscous friction: the least that a joint has.
+/// Coulomb friction of two models, and linear viscous friction.
+pub fn friction(registry: &Registry, coulomb: &str, hysteresis: &str) -> Result<JointStack, Failure> {
+    JointStack::new(
+        build::<dyn CoulombModel>(registry, json!({ "model": coulomb }))?,
+        build::<dyn HysteresisModel>(registry, json!({ "model": hysteresis }))?,
+        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
+    )
+    .map_err(Into::into)
+}
+
+/// The least that a joint has.
 pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
-    JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
-        build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
-        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
-    )
-    .map_err(Into::into)
-}
-
-pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
-    JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": "absolute" }))?,
-        build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
-        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
-    )
-    .map_err(Into::into)
-}
-
-/// Coulomb friction that builds up over a distance, and linear viscous friction.
-pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
-    JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
-        build::<dyn HysteresisModel>(registry, json!({ "model": "maxwell_slip" }))?,
-        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
-    )
-    .map_err(Into::into)
+    friction(registry, "constant", "sign")
 }
 
 /// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
@@ -125,17 +110,13 @@ impl Judged {
         findings
     }
 
-    pub fn named(&self) -> ExcitedNames<'_> {
+    /// Parameters that the motion determines, each with the share of its column that others cannot imitate.
+    pub fn determined(&self) -> Vec<(&str, f64)> {
         let own = |(k, e): (usize, &Excitation)| match e {
             Excitation::Own(share) => Some((self.model.parameters()[k].name.as_str(), *share)),
             _ => None,
         };
-        ExcitedNames {
-            determined: self.excited.coefficients.iter().enumerate().filter_map(own).collect(),
-            combined: self.combined(),
-            silent: self.silent(),
-            condition_number: self.excited.condition_number,
-        }
+        self.excited.coefficients.iter().enumerate().filter_map(own).collect()
     }
 
     fn names(&self, choose: impl Fn(&Excitation) -> bool) -> Vec<&str> {

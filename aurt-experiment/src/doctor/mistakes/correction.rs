@@ -25,7 +25,7 @@ pub fn corrected(
         experiment.source_text.parse().map_err(|e: toml_edit::TomlError| refuse(e.message().to_owned()))?;
     let mut left = Vec::new();
     corrected_stamps(&mut document, experiment, subject);
-    for step in &examination.steps {
+    for step in &examination.found.steps {
         if !correct(&mut document, subject, &step.mistake) {
             left.push(undone(&step.mistake, examination.names()));
         }
@@ -35,8 +35,7 @@ pub fn corrected(
 
 /// Writes the units in which stamps were read, where the experiment says others.
 fn corrected_stamps(document: &mut DocumentMut, experiment: &Experiment, subject: &Subject) {
-    let recordings = &experiment.recordings;
-    let stated = recordings.calibration.iter().chain(&recordings.validation).map(|r| r.recorded.time);
+    let stated = experiment.recordings.fitted_and_held_out().map(|(source, _)| source.recorded.time);
     let read = subject.recordings.iter().map(|r| r.loaded.source.recorded.time);
     let differs: Vec<(usize, TimeUnit)> =
         stated.zip(read).enumerate().filter_map(|(k, (a, b))| Some((k, b.filter(|_| a != b)?))).collect();

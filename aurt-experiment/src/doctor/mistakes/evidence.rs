@@ -1,7 +1,7 @@
 //! How sure it is that another setup explains the held-out data better than the one that is there.
 
 use aurt_calibration::two_sided;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::trial::Score;
 
@@ -18,7 +18,7 @@ const LEAST_GAIN: f64 = 1.0;
 /// The likelihood of a row, with a relative deviation r_j of its own for each joint, is ℓ = Σ_j −ln r_j − e_j²/(2σ_j²) + 1/2. What
 /// one setup has more of it than the other is averaged over batches: √n batches of √n rows each, since neighbouring rows err
 /// alike. Where the other setup is no better but for what no setup models, the mean over its standard error is Student's t.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evidence {
     /// Mean over rows of the logarithm of the likelihood ratio: Σ_j ln(r_j before / r_j after).
     pub gain: f64,
@@ -51,10 +51,6 @@ impl Evidence {
     #[must_use]
     pub fn reversed(self) -> Self {
         Self { gain: -self.gain, ..self }
-    }
-
-    pub fn to_json(self) -> Value {
-        json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })
     }
 
     /// Whether it is more than chance, and more than what a model leaves out makes up for.

@@ -3,7 +3,7 @@
 use super::{evidence::Evidence, mistake::Mistake, trial::Score};
 
 /// The result of the search.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Found {
     /// How well the setup as it is explains the data; nothing if it allows no fit.
     pub before: Option<Score>,
@@ -40,4 +40,10 @@ pub struct Step {
     pub after: Score,
     /// Others that explain the data alike.
     pub alike: Vec<Mistake>,
+}
+
+impl Step {
+    pub fn new(mistake: Mistake, after: Score) -> Self {
+        Self { likelier: None, own: None, mistake, after, alike: Vec::new() }
+    }
 }

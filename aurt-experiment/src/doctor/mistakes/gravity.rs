@@ -43,13 +43,9 @@ impl GravitySign {
         }
         if across.is_enough() && across.is_sure(TESTS) && stretches.is_sure(TESTS) {
             let joints = after.joints.iter().flatten().count().max(1) as f64;
-            return Some(Self::Refuted(Box::new(Step {
-                likelier: Some((-across.gain / joints).exp()),
-                own: None,
-                mistake,
-                after: bench.score(&other)?,
-                alike: Vec::new(),
-            })));
+            let likelier = Some((-across.gain / joints).exp());
+            let step = Step { likelier, ..Step::new(mistake, bench.score(&other)?) };
+            return Some(Self::Refuted(Box::new(step)));
         }
         let is_surely_worse = across.reversed().is_sure(1) || stretches.reversed().is_sure(1);
         let is_better = across.gain > 0.0 && stretches.gain > 0.0;

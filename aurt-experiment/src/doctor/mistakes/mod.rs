@@ -40,7 +40,7 @@ pub use self::{
     columns::oddities,
     correction::corrected,
     explained::{Poor, loudly, poorly_explained},
-    found::Step,
+    found::{Found, Step},
     mistake::{Columns, Mistake, Reading, Table},
     setup::{Subject, median_period_s, recordings_of},
     trial::Score,
@@ -52,21 +52,19 @@ use self::{
     setup::{Extent, Setup},
     trial::Bench,
 };
-use crate::doctor::inspection::judged::{
-    loaded_friction, often_left_out, plain_friction, presliding_friction,
-};
+use crate::doctor::inspection::judged::{friction, often_left_out, plain_friction};
 use crate::workbench::failure::Failure;
 
+/// Below this share a joint counts as hardly explained.
+const HARDLY: f64 = 0.1;
+
+/// The answer to the question which of the usual mistakes a setup has.
 #[derive(Debug, Clone)]
 pub struct Examination {
     /// Errors of the setup as it is written; nothing if it allows no fit.
     pub written: Option<Score>,
-    /// Errors of the same setup with rotors and offsets, which experiments often leave out and all trials have.
-    pub before: Option<Score>,
-    pub after: Option<Score>,
-    pub steps: Vec<Step>,
-    pub trials: usize,
-    compared: Vec<found::Compared>,
+    /// The search in the same setup with rotors and offsets, which experiments often leave out and all trials have.
+    pub found: Found,
     /// What stays hardly explained in recordings, where no calibrated model says so.
     poor: Vec<Poor>,
     compares_robots: bool,
@@ -108,8 +106,8 @@ fn examined(
         friction: plain_friction(registry)?,
         arm_terms,
         scopes: subject.scopes.clone(),
-        loaded_friction: loaded_friction(registry)?,
-        presliding_friction: presliding_friction(registry)?,
+        loaded_friction: friction(registry, "absolute", "sign")?,
+        presliding_friction: friction(registry, "constant", "maxwell_slip")?,
         compares: false,
         separate: false,
     };
@@ -134,11 +132,7 @@ fn examined(
     Ok(Examination {
         written: own.score(&own.modelled(&brief)),
         has_terms: !own.arm_terms.is_empty(),
-        before: found.before,
-        after: found.after,
-        steps: found.steps,
-        trials: found.trials,
-        compared: found.compared,
+        found,
         poor,
         compares_robots: subject.compares_robots(),
         has_open_gravity,
@@ -155,9 +149,9 @@ impl Examination {
 
     /// What was found, in sentences that say by how much it helps and what to change.
     pub fn sentences(&self) -> Vec<String> {
-        let before = std::iter::once(self.before.as_ref()).chain(self.steps.iter().map(|s| Some(&s.after)));
-        self.steps
-            .iter()
+        let steps = self.found.steps.iter();
+        let before = std::iter::once(self.found.before.as_ref()).chain(steps.clone().map(|s| Some(&s.after)));
+        steps
             .zip(before)
             .map(|(step, before)| wording::sentence(step, before, &self.files, self.names()))
             .collect()
@@ -196,7 +190,7 @@ impl Examination {
         format!(
             "held-out error of rigid bodies with plain friction{terms}, joint by joint: {} ({} setups tried)",
             joints.join(", "),
-            self.trials
+            self.found.trials
         )
     }
 
@@ -218,28 +212,26 @@ impl Examination {
         let score = |s: &Score| json!({ "error": s.total, "joints": s.joints });
         json!({
             "written": self.written.as_ref().map(score),
-            "before": self.before.as_ref().map(score),
-            "after": self.after.as_ref().map(score),
-            "trials": self.trials,
+            "before": self.found.before.as_ref().map(score),
+            "after": self.found.after.as_ref().map(score),
+            "trials": self.found.trials,
             "doubt": self.hardly(),
             "unexplained": self.unexplained(),
             "remarks": self.remarks(),
-            "compared": self.compared.iter().map(|c| json!({
+            "compared": self.found.compared.iter().map(|c| json!({
                 "change": wording::undone(&c.mistake, self.names()),
-                "across": c.across.to_json(),
-                "within": c.within.map(|w| w.to_json()),
+                "across": c.across,
+                "within": c.within,
                 "errors": c.errors,
             })).collect::<Vec<_>>(),
-            "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
+            "mistakes": self.found.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
                 "sentence": sentence,
                 "change": wording::undone(&step.mistake, self.names()),
                 "error": step.after.total,
             })).collect::<Vec<_>>(),
         })
     }
-}
 
-impl Examination {
     pub const fn nothing(&self) -> &'static str {
         if self.compares_robots {
             "no common mistake explains more"
@@ -247,22 +239,17 @@ impl Examination {
             "no common mistake explains much more; to detect wrong zeros and geometries, torque constants are needed"
         }
     }
-}
 
-/// Below this share a joint counts as hardly explained.
-const HARDLY: f64 = 0.1;
-
-impl Examination {
     /// Whether it should be heeded whatever a calibrated model explains: a mistake was found, nothing can be fitted, or
     /// friction gives power.
     pub fn is_serious(&self) -> bool {
-        let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
-        !self.steps.is_empty() || !self.poor.is_empty() || fed
+        let fed = self.found.after.as_ref().is_none_or(|s| s.fed.contains(&true));
+        !self.found.steps.is_empty() || !self.poor.is_empty() || fed
     }
 
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.
     pub fn hardly(&self) -> Option<String> {
-        let Some(score) = &self.after else {
+        let Some(score) = &self.found.after else {
             return Some(
                 "No common mistake explains it: check that geometry and recordings are of the same robot, and the \
                  stamps."

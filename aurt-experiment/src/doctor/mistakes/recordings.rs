@@ -44,11 +44,9 @@ pub fn search_recordings(
         let is_new = |p: &&Poor| !poor.iter().any(|own| (own.file, own.joint) == (p.file, p.joint));
         poor.extend(of_model.filter(is_new).cloned().collect::<Vec<_>>());
     }
-    let trials = found.trials;
-    let mut search =
-        Search { subject, bench, whole: &whole, trials, compared: std::mem::take(&mut found.compared) };
+    let mut search = Search { subject, bench, whole: &whole, found: std::mem::take(found) };
     let (steps, left) = search.in_recordings(now, poor);
-    (found.trials, found.compared) = (search.trials, search.compared);
+    *found = search.found;
     if !steps.is_empty() {
         found.steps.extend(steps);
         found.after = bench.score(&undone(brief, &found.steps)).or(found.after.take());
@@ -136,10 +134,7 @@ impl Search<'_> {
         let mistake = told.last()?.clone();
         let after = bench.score(&mistake.undone(now))?;
         let own = Some([before.total, told.score.total]);
-        Some((
-            before.logarithm() - told.score.logarithm(),
-            Step { likelier: None, own, mistake, after, alike: Vec::new() },
-        ))
+        Some((before.logarithm() - told.score.logarithm(), Step { own, ..Step::new(mistake, after) }))
     }
 }
 

@@ -66,8 +66,7 @@ pub(super) struct Search<'a> {
     pub(super) subject: &'a Subject,
     pub(super) bench: &'a Bench,
     pub(super) whole: &'a Setup,
-    pub(super) trials: usize,
-    pub(super) compared: Vec<Compared>,
+    pub(super) found: Found,
 }
 
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
@@ -91,17 +90,12 @@ pub fn search(subject: &Subject, bench: &Bench, [setup, whole]: [&Setup; 2], tho
         };
         little && !s.fed.contains(&true)
     };
-    let mut found = Found {
-        before: before.clone(),
-        steps: Vec::new(),
-        after: before.clone(),
-        trials: 1,
-        compared: Vec::new(),
-    };
-    let mut search = Search { subject, bench, whole, trials: 1, compared: Vec::new() };
+    let found = Found { before: before.clone(), after: before.clone(), trials: 1, ..Found::default() };
+    let mut search = Search { subject, bench, whole, found };
+    let mut steps: Vec<Step> = Vec::new();
     let (mut now, mut score) = (setup.clone(), before);
-    while found.steps.len() < MOST {
-        let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
+    while steps.len() < MOST {
+        let told: Vec<&Mistake> = steps.iter().map(|s| &s.mistake).collect();
         let is_fine = score.as_ref().is_some_and(fine);
         // A calibrated model that explains its recordings is not doubted: whoever asks has `aurt check`.
         if is_fine && matches!(thorough, Thorough::AllJoints) {
@@ -112,39 +106,34 @@ pub fn search(subject: &Subject, bench: &Bench, [setup, whole]: [&Setup; 2], tho
         let last = best.mistakes.len() - 1;
         for (k, mistake) in best.mistakes.into_iter().enumerate() {
             setup = mistake.undone(&setup);
-            let after = if k == last {
-                best.score.clone()
-            } else {
-                bench.score(&setup).unwrap_or_else(|| best.score.clone())
-            };
+            let after = if k == last { None } else { bench.score(&setup) };
             let alike = if k == last { best.alike.clone() } else { Vec::new() };
-            found.steps.push(Step { likelier: None, own: None, mistake, after, alike });
+            let after = after.unwrap_or_else(|| best.score.clone());
+            steps.push(Step { alike, ..Step::new(mistake, after) });
         }
         now = setup;
         score = Some(best.score);
     }
-    if found.steps.len() > 1
+    if steps.len() > 1
         && let Some(last) = score.take()
     {
-        score = Some(search.reconsidered(setup, &mut found.steps, last));
+        score = Some(search.reconsidered(setup, &mut steps, last));
     }
     // To compare robots takes seconds, many times as long as a calibration: `run` leaves that to `check`.
-    if found.steps.is_empty() && !matches!(thorough, Thorough::AllJoints) {
-        let step = search.in_one(&now).or_else(|| search.likelier(&now));
-        if let Some(step) = step {
-            score = Some(step.after.clone());
-            found.steps.push(step);
-        }
+    if steps.is_empty()
+        && !matches!(thorough, Thorough::AllJoints)
+        && let Some(step) = search.in_one(&now).or_else(|| search.likelier(&now))
+    {
+        score = Some(step.after.clone());
+        steps.push(step);
     }
-    (found.trials, found.compared) = (search.trials, search.compared);
+    let found = search.found;
     // What raises the error is no cure, whatever else it explains.
     let least = found.before.as_ref().map_or(f64::INFINITY, |b| b.total);
-    if score.as_ref().is_none_or(|s| !is_explained(s.total) || s.total >= least) {
-        found.steps.clear();
-    } else {
-        found.after = score;
+    match score.filter(|s| is_explained(s.total) && s.total < least) {
+        Some(after) => Found { steps, after: Some(after), ..found },
+        None => found,
     }
-    found
 }
 
 impl Search<'_> {
@@ -168,7 +157,7 @@ impl Search<'_> {
         }
         let (_, mistake) = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         let after = bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: None, own: None, mistake, after, alike: Vec::new() })
+        Some(Step::new(mistake, after))
     }
 
     /// Another robot or gravity, told by how much likelier it makes every recording.
@@ -177,14 +166,14 @@ impl Search<'_> {
             return None;
         }
         let now = self.bench.score(setup)?;
-        let tried = likelier(self.subject, self.bench, setup, &mut self.trials);
+        let tried = likelier(self.subject, self.bench, setup, &mut self.found.trials);
         let most = tried.iter().max_by(|a, b| a.evidence.gain.total_cmp(&b.evidence.gain))?;
         let mut near: Vec<Mistake> = Vec::new();
         for one in tried.iter().filter(|one| !one.is_behind(most)) {
             let other = one.mistake.undone(setup);
             // What raises the error with plain friction is no cure.
             let errors = [now.total, self.bench.score(&other).map_or(WORST, |after| after.total)];
-            if self.is_told([setup, &other], &one.mistake, one.evidence, errors) {
+            if matches!(self.tested([setup, &other], &one.mistake, one.evidence, errors), Tested::Told) {
                 near.push(one.mistake.clone());
             } else if one.mistake == most.mistake {
                 return None;
@@ -193,13 +182,8 @@ impl Search<'_> {
         let mistake = near.first()?.clone();
         let after = self.bench.score(&mistake.undone(setup))?;
         let joints = after.joints.iter().flatten().count().max(1) as f64;
-        Some(Step {
-            likelier: Some((-most.evidence.gain / joints).exp()),
-            own: None,
-            mistake,
-            after,
-            alike: near.split_off(1),
-        })
+        let likelier = Some((-most.evidence.gain / joints).exp());
+        Some(Step { likelier, alike: near.split_off(1), ..Step::new(mistake, after) })
     }
 
     /// The first of those that are nearly the likeliest, if it is told, with the rest of these. What stretches of recordings refute
@@ -249,26 +233,16 @@ impl Search<'_> {
         let within = (across.is_enough() && errors[1] < errors[0])
             .then(|| within(&bench, self.whole, [now, other], mistake.file()))
             .flatten();
-        self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
+        self.found.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
         let Some(within) = within else { return Tested::Open };
         if within.gain < 0.0 || !self.is_alone(&bench, now, mistake) {
             return Tested::Refuted;
         }
         // That friction comes late is known from within alone.
         let is_confirmed = if mistake.is_delay() { within.is_enough() } else { within.is_sure(1) };
-        let tried = TESTS * self.trials;
+        let tried = TESTS * self.found.trials;
         let is_sure = across.is_sure(tried) || within.is_sure(tried);
         if is_confirmed && is_sure { Tested::Told } else { Tested::Open }
-    }
-
-    fn is_told(
-        &mut self,
-        setups: [&Setup; 2],
-        mistake: &Mistake,
-        across: Evidence,
-        errors: [f64; 2],
-    ) -> bool {
-        matches!(self.tested(setups, mistake, across, errors), Tested::Told)
     }
 
     /// What else than the mistake could explain the data: friction that builds up over a distance comes late, and friction that
@@ -417,7 +391,7 @@ impl Search<'_> {
         before: &[Mistake],
         score: impl Fn(&Setup) -> Option<Score> + Sync,
     ) -> Vec<Attempt> {
-        self.trials += mistakes.len();
+        self.found.trials += mistakes.len();
         // What does not change is prepared once.
         setup.parts.iter().for_each(|p| drop(p.prepared()));
         mistakes
@@ -449,7 +423,7 @@ impl Search<'_> {
                 let around = variations(&best.mistakes[at], step);
                 step *= 0.6;
                 let better = around.into_iter().filter_map(|changed| {
-                    self.trials += 1;
+                    self.found.trials += 1;
                     let mut mistakes = best.mistakes.clone();
                     mistakes[at] = changed;
                     let setup = mistakes.iter().fold(setup.clone(), |s, m| m.undone(&s));

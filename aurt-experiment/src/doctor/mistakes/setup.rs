@@ -5,11 +5,14 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use crate::workbench::{experiments, failure::Failure};
-use crate::{Experiment, experiment::Geometry};
+use crate::workbench::{experiments::windowed, failure::Failure};
+use crate::{
+    Experiment,
+    experiment::{Geometry, Robot},
+};
 use aurt::{
     Role,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
     fitting::Assigned,
 };
 use aurt_calibration::{NamedRecording, TermScopes};
@@ -55,16 +58,17 @@ pub struct Subject {
 }
 
 impl Subject {
-    pub fn of_table(
-        table: &MdhTable,
+    /// A robot of which no experiment says anything.
+    fn new(
+        (joints, couplings): (Vec<Joint>, Vec<Coupling>),
         gravity_m_s2: [f64; 3],
         recordings: Vec<Assigned>,
         f_dyn_hz: f64,
     ) -> Self {
         Self {
-            joints: table.joints(),
-            couplings: Vec::new(),
-            table: Some(table.clone()),
+            joints,
+            couplings,
+            table: None,
             name: None,
             gravity_m_s2,
             recordings,
@@ -75,56 +79,44 @@ impl Subject {
         }
     }
 
+    pub fn of_table(
+        table: &MdhTable,
+        gravity_m_s2: [f64; 3],
+        recordings: Vec<Assigned>,
+        f_dyn_hz: f64,
+    ) -> Self {
+        let subject = Self::new((table.joints(), Vec::new()), gravity_m_s2, recordings, f_dyn_hz);
+        Self { table: Some(table.clone()), ..subject }
+    }
+
     /// A robot given by its rigid bodies; `None` if these are no chain.
     pub fn of_bodies(
         bodies: &dyn RigidBodyRegressor,
         recordings: Vec<Assigned>,
         f_dyn_hz: f64,
     ) -> Option<Self> {
-        let any: &dyn Any = bodies;
-        let (chain, couplings) = match any.downcast_ref::<CoupledChain>() {
-            Some(coupled) => (coupled.chain(), coupled.couplings().to_vec()),
-            None => (any.downcast_ref::<SerialChain>()?, Vec::new()),
-        };
-        Some(Self {
-            joints: chain.joints().to_vec(),
-            couplings,
-            table: None,
-            name: None,
-            gravity_m_s2: chain.gravity_m_s2(),
-            recordings,
-            preprocessing: Preprocessing::new(f_dyn_hz),
-            instrument: Instrument::default(),
-            arm_terms: Vec::new(),
-            scopes: TermScopes::everywhere(),
-        })
+        Some(Self::new(chain_of(bodies)?, bodies.gravity_m_s2(), recordings, f_dyn_hz))
     }
 
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
-        let geometry = &experiment.robot.geometry;
-        let rigid_body = experiment.robot.rigid_body()?;
-        let any: &dyn Any = &*rigid_body;
-        let (joints, couplings) = match any.downcast_ref::<CoupledChain>() {
-            Some(coupled) => (coupled.chain().joints().to_vec(), coupled.couplings().to_vec()),
-            None => (geometry.chain(experiment.robot.gravity_m_s2)?.joints().to_vec(), Vec::new()),
+        let Robot { geometry, gravity_m_s2, .. } = &experiment.robot;
+        let chain = match chain_of(&*experiment.robot.rigid_body()?) {
+            Some(chain) => chain,
+            None => (geometry.chain(*gravity_m_s2)?.joints().to_vec(), Vec::new()),
+        };
+        let (table, name) = match geometry {
+            Geometry::Mdh { table, .. } => (Some(table.clone()), None),
+            Geometry::Known(robot) => (None, Some(robot.name.clone())),
+            Geometry::Urdf { .. } => (None, None),
         };
         Ok(Self {
-            joints,
-            couplings,
-            table: match geometry {
-                Geometry::Mdh { table, .. } => Some(table.clone()),
-                Geometry::Urdf { .. } | Geometry::Known(_) => None,
-            },
-            name: match geometry {
-                Geometry::Known(robot) => Some(robot.name.clone()),
-                Geometry::Mdh { .. } | Geometry::Urdf { .. } => None,
-            },
-            gravity_m_s2: experiment.robot.gravity_m_s2,
-            recordings,
+            table,
+            name,
             preprocessing: experiment.preprocess.clone(),
-            instrument: experiments::instrument(experiment),
+            instrument: experiment.instrument.clone(),
             arm_terms: experiment.arm_terms.clone(),
             scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
+            ..Self::new(chain, *gravity_m_s2, recordings, experiment.preprocess.f_dyn_hz)
         })
     }
 
@@ -147,26 +139,27 @@ impl Subject {
     }
 }
 
+/// The joints of a chain, and how they move.
+fn chain_of(bodies: &dyn RigidBodyRegressor) -> Option<(Vec<Joint>, Vec<Coupling>)> {
+    let any: &dyn Any = bodies;
+    if let Some(coupled) = any.downcast_ref::<CoupledChain>() {
+        return Some((coupled.chain().joints().to_vec(), coupled.couplings().to_vec()));
+    }
+    Some((any.downcast_ref::<SerialChain>()?.joints().to_vec(), Vec::new()))
+}
+
 fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
     couplings.iter().map(|c| c.coordinate + 1).max().unwrap_or(joints.len())
 }
 
 /// Reads what an experiment calibrates and validates on.
 pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
-    let recordings = &experiment.recordings;
-    let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
-    let validation = recordings.validation.iter().map(|r| (r, Role::Validation));
-    calibration
-        .chain(validation)
-        .map(|(source, role)| {
-            let loaded = Loaded::read(
-                experiments::source(source),
-                Some(&experiment.robot.robot_joints()),
-                Purpose::Calibration,
-            )?;
-            Ok(Assigned { loaded, role })
-        })
-        .collect()
+    let joints = experiment.robot.robot_joints();
+    let read = |(source, role): (&Source, Role)| {
+        let loaded = Loaded::read(source.clone(), Some(&joints), Purpose::Calibration)?;
+        Ok(Assigned { loaded, role })
+    };
+    experiment.recordings.fitted_and_held_out().map(read).collect()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -334,10 +327,7 @@ impl Setup {
 
 /// What is used of a recording, without rows that are held, repeated or corrupt: a clock or a delay makes up for these.
 fn window(loaded: &Loaded) -> Result<Recording, Failure> {
-    let recording = match loaded.source.window_s {
-        Some(window) => loaded.recording.window(window)?,
-        None => loaded.recording.clone().into(),
-    };
+    let recording = windowed(loaded)?;
     Ok(RecordingFaults::find("", &recording).repaired(&recording).unwrap_or(recording))
 }
 

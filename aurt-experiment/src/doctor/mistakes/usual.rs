@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use aurt_rbd::robots::KNOWN_ROBOTS;
-use aurt_rbd::{Joint, JointKind, MdhRows, MdhTable, RobotDescription};
+use aurt_rbd::{Joint, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
 use aurt_traits::MeasurementUnit;
 
 use super::{
@@ -117,20 +117,16 @@ fn tables(subject: &Subject, now: &[Joint]) -> Vec<Mistake> {
             change(&mut table);
             table.joints()
         };
+        let of_rows = |change: &dyn Fn(&mut MdhRow)| changed(&|t| t.rows.iter_mut().for_each(change));
         for factor in [1e-3, 1e-2, 1e-1, 10.0, 100.0, 1e3] {
-            let scaled = changed(&|t| {
-                for row in &mut t.rows {
-                    row.a_m *= factor;
-                    row.d_m *= factor;
-                }
-            });
+            let scaled = of_rows(&|row| (row.a_m, row.d_m) = (row.a_m * factor, row.d_m * factor));
             tables.push((Table::Lengths(factor), scaled));
         }
-        tables.push((Table::Reversed, changed(&|t| t.rows.reverse())));
-        let exchanged = changed(&|t| t.rows.iter_mut().for_each(|r| std::mem::swap(&mut r.a_m, &mut r.d_m)));
-        tables.push((Table::Exchanged, exchanged));
-        let mirrored = changed(&|t| t.rows.iter_mut().for_each(|r| r.alpha_rad = -r.alpha_rad));
-        tables.push((Table::Mirrored, mirrored));
+        tables.extend([
+            (Table::Reversed, changed(&|t| t.rows.reverse())),
+            (Table::Exchanged, of_rows(&|row| std::mem::swap(&mut row.a_m, &mut row.d_m))),
+            (Table::Mirrored, of_rows(&|row| row.alpha_rad = -row.alpha_rad)),
+        ]);
     }
     if subject.name.is_some() {
         for robot in KNOWN_ROBOTS.iter().filter(|r| r.joints() == now.len()) {

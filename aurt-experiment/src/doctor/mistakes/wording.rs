@@ -21,16 +21,12 @@ pub fn percent(error: f64) -> String {
 
 /// What a step found, by how much it helps, and what to change.
 pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: RobotNames<'_>) -> String {
-    let seems = seems(&step.mistake, files, names);
+    let [seems, order] = said(&step.mistake, files, names);
+    let after = percent(step.after.total);
     let of_total = || {
         before.map_or_else(
-            || {
-                format!(
-                    "without it nothing can be fitted, with it the error is {}",
-                    percent(step.after.total)
-                )
-            },
-            |b| format!("error {} → {}", percent(b.total), percent(step.after.total)),
+            || format!("without it nothing can be fitted, with it the error is {after}"),
+            |b| format!("error {} → {after}", percent(b.total)),
         )
     };
     // With friction that grows with the load, and where joints move; the error of the other trials hardly shows it.
@@ -51,7 +47,7 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: Ro
     } else {
         format!(" As well explained by: {}.", alike.join("; "))
     };
-    format!("{seems}: {error}. {}.{or}", capital(&undone(&step.mistake, names)))
+    format!("{seems}: {error}. {}.{or}", capital(&order))
 }
 
 fn capital(text: &str) -> String {
@@ -70,179 +66,173 @@ pub fn number(value: f64) -> String {
     if rounded == 0.0 || value.abs() < 1e-2 { significant(value, 4) } else { format!("{rounded}") }
 }
 
-/// What seems to be the case, as a sentence without its full stop.
-fn seems(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> String {
+/// The cure of a mistake, as an order without its full stop.
+pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
+    let [_, order] = said(mistake, &[], names);
+    order
+}
+
+/// A mistake as it shows and its cure: a sentence and an order, both without a full stop.
+fn said(mistake: &Mistake, files: &[String], names: RobotNames<'_>) -> [String; 2] {
     match mistake {
-        Mistake::Gravity { to_m_s2 } => match axis(*to_m_s2) {
-            Some(axis) => format!("Gravity seems to point along {axis}"),
-            None if *to_m_s2 == [0.0; 3] => {
-                "Gravity seems to be compensated, or the base to lie so that none acts".into()
-            }
-            None => format!("Gravity seems to be {} m/s² in the base frame", list(to_m_s2)),
-        },
-        Mistake::Geometry { what, .. } => match what {
-            Table::Rows(_) => "The rows of the table seem to lead to the other joint".into(),
-            Table::Lengths(factor) => {
-                format!("The lengths of the table seem to be {} too large", times(1.0 / factor))
-            }
-            Table::Reversed => "The rows of the table seem to stand from tip to base".into(),
-            Table::Exchanged => "The columns a and d of the table seem to be exchanged".into(),
-            Table::Mirrored => "The column alpha of the table seems to have the other sign".into(),
-            Table::Known(name) => format!("The robot seems to be a {name}"),
-            Table::Zero { joint, offset_rad, .. } => {
-                format!(
-                    "The zero of {} seems to lie {:.0}° off",
-                    names.joint(*joint),
-                    offset_rad.to_degrees()
-                )
-            }
-        },
-        Mistake::Reading { what, file } => {
-            let (what, span_s) = match what {
-                Reading::During { what, span_s } => (&**what, *span_s),
-                what => (what, [None, None]),
+        Mistake::Gravity { to_m_s2 } => {
+            let seems = match axis(*to_m_s2) {
+                Some(axis) => format!("Gravity seems to point along {axis}"),
+                None if *to_m_s2 == [0.0; 3] => {
+                    "Gravity seems to be compensated, or the base to lie so that none acts".into()
+                }
+                None => format!("Gravity seems to be {} m/s² in the base frame", list(to_m_s2)),
             };
-            let mut of =
-                file.and_then(|f| files.get(f)).map_or_else(String::new, |name| format!(" in {name}"));
-            of.push_str(&stretch(span_s));
-            match what {
-                Reading::Degrees => format!("Positions{of} seem to be in degrees"),
-                Reading::Turns => format!("Positions{of} seem to be in turns"),
-                Reading::Geared(ratio) => {
-                    format!(
-                        "Positions{of} seem to be those of the motors, behind gears of about {}",
-                        number(*ratio)
-                    )
-                }
-                Reading::PositionSign(joint) => {
-                    format!("The position of {}{of} seems to have the other sign", names.joint(*joint))
-                }
-                Reading::AxisSign(joint) => {
-                    format!(
-                        "The position and the measurement of {}{of} seem to have the other sign",
-                        names.joint(*joint)
-                    )
-                }
-                Reading::MeasurementSign(joint) => {
-                    format!("The measurement of {}{of} seems to have the other sign", names.joint(*joint))
-                }
-                Reading::AllMeasurementSigns => format!("All measurements{of} seem to have the other sign"),
-                Reading::Order { of: columns, order } => {
-                    format!(
-                        "The {}{of} seem to stand in another order, {}",
-                        columns_of(*columns),
-                        permutation(order, names)
-                    )
-                }
-                Reading::Delay(delay) if *delay > 0.0 => {
-                    format!("Measurements{of} seem to lag {:.0} ms behind positions", 1e3 * delay)
-                }
-                Reading::Delay(delay) => {
-                    format!("Positions{of} seem to lag {:.0} ms behind measurements", -1e3 * delay)
-                }
-                Reading::Time(factor) => {
-                    format!(
-                        "The clock{of} seems to run {}",
-                        if *factor > 1.0 { "too fast" } else { "too slowly" }
-                    )
-                }
-                Reading::Gain { joint, factor } => format!(
-                    "The measurement of {}{of} seems to be {} too {}",
-                    names.joint(*joint),
-                    times(if *factor < 1.0 { 1.0 / factor } else { *factor }),
-                    if *factor < 1.0 { "large" } else { "small" }
-                ),
-                Reading::Constants { joints, .. } => {
-                    format!("The torque constants of {} seem to be exchanged", names.joint_list(joints))
-                }
-                Reading::During { .. } => format!("Measurements{of} seem to be others"),
-            }
+            [seems, format!("change `gravity_m_s2` to {}", list(to_m_s2))]
+        }
+        Mistake::Geometry { what, .. } => of_table(what, names),
+        Mistake::Reading { what, file } => {
+            let file = file.and_then(|f| files.get(f));
+            let of = file.map_or_else(String::new, |name| format!(" in {name}"));
+            let Reading::During { what, span_s } = what else { return of_reading(what, &of, names) };
+            let stretch = stretch(*span_s);
+            let [seems, _] = of_reading(what, &format!("{of}{stretch}"), names);
+            [seems, format!("correct the recording{stretch}, or leave the stretch out with `window_s`")]
         }
     }
 }
 
-/// What to do about it, as an order without its full stop.
-pub fn undone(mistake: &Mistake, names: RobotNames<'_>) -> String {
-    match mistake {
-        Mistake::Gravity { to_m_s2 } => format!("change `gravity_m_s2` to {}", list(to_m_s2)),
-        Mistake::Geometry { what, .. } => match what {
-            Table::Rows(MdhRows::Next) => "change `mdh_rows` to \"next\"".into(),
-            Table::Rows(MdhRows::Previous) => "change `mdh_rows` to \"previous\"".into(),
-            Table::Lengths(factor) => {
-                format!("multiply the columns a and d of the table by {}", number(*factor))
-            }
-            Table::Reversed => "turn the order of the rows of the table round".into(),
-            Table::Exchanged => "exchange the names of the columns a and d in the header of the table".into(),
-            Table::Mirrored => "turn the signs of the column alpha of the table".into(),
-            Table::Known(name) => format!("change `name` to \"{name}\""),
-            Table::Zero { joint, offset_rad, in_table: true } => {
-                format!("add {offset_rad:.4} rad to the column theta of row {joint} of the table")
-            }
-            Table::Zero { joint, offset_rad, in_table: false } => format!(
-                "turn the `origin` of {} by {offset_rad:.4} rad about its axis in the robot's description, or add this to its position",
-                names.joint(*joint)
-            ),
-        },
-        Mistake::Reading { what: Reading::During { span_s, .. }, .. } => {
-            format!("correct the recording{}, or leave the stretch out with `window_s`", stretch(*span_s))
+fn of_table(what: &Table, names: RobotNames<'_>) -> [String; 2] {
+    match what {
+        Table::Rows(rows) => {
+            let to = if *rows == MdhRows::Next { "next" } else { "previous" };
+            [
+                "The rows of the table seem to lead to the other joint".into(),
+                format!("change `mdh_rows` to \"{to}\""),
+            ]
         }
-        Mistake::Reading { what, .. } => match what {
-            Reading::Degrees => "write `angle = \"deg\"` in `[recordings]`".into(),
-            Reading::Turns => "write `counts_per_revolution = 1` in `[recordings]`".into(),
-            Reading::Geared(ratio) => {
-                format!("write the drives' `gear_ratio`, about {}, in `[recordings]`", number(*ratio))
-            }
-            Reading::PositionSign(joint) => {
+        Table::Lengths(factor) => [
+            format!("The lengths of the table seem to be {} too large", times(1.0 / factor)),
+            format!("multiply the columns a and d of the table by {}", number(*factor)),
+        ],
+        Table::Reversed => [
+            "The rows of the table seem to stand from tip to base".into(),
+            "turn the order of the rows of the table round".into(),
+        ],
+        Table::Exchanged => [
+            "The columns a and d of the table seem to be exchanged".into(),
+            "exchange the names of the columns a and d in the header of the table".into(),
+        ],
+        Table::Mirrored => [
+            "The column alpha of the table seems to have the other sign".into(),
+            "turn the signs of the column alpha of the table".into(),
+        ],
+        Table::Known(name) => {
+            [format!("The robot seems to be a {name}"), format!("change `name` to \"{name}\"")]
+        }
+        Table::Zero { joint, offset_rad, in_table } => {
+            let name = names.joint(*joint);
+            let order = if *in_table {
+                format!("add {offset_rad:.4} rad to the column theta of row {joint} of the table")
+            } else {
                 format!(
-                    "write a `gear_ratio` of -1 for {} in `[recordings]`, or turn its axis round in the robot's description (`sign` -1 in an \
-                     MDH table, `axis` in a URDF file)",
-                    names.joint(*joint)
+                    "turn the `origin` of {name} by {offset_rad:.4} rad about its axis in the robot's description, or add this to its \
+                     position"
                 )
-            }
-            Reading::AxisSign(joint) => {
+            };
+            [format!("The zero of {name} seems to lie {:.0}° off", offset_rad.to_degrees()), order]
+        }
+    }
+}
+
+/// The words for a reading; `of` says of which recording and stretch it is.
+fn of_reading(what: &Reading, of: &str, names: RobotNames<'_>) -> [String; 2] {
+    match what {
+        Reading::Degrees => [
+            format!("Positions{of} seem to be in degrees"),
+            "write `angle = \"deg\"` in `[recordings]`".into(),
+        ],
+        Reading::Turns => [
+            format!("Positions{of} seem to be in turns"),
+            "write `counts_per_revolution = 1` in `[recordings]`".into(),
+        ],
+        Reading::Geared(ratio) => {
+            let ratio = number(*ratio);
+            [
+                format!("Positions{of} seem to be those of the motors, behind gears of about {ratio}"),
+                format!("write the drives' `gear_ratio`, about {ratio}, in `[recordings]`"),
+            ]
+        }
+        Reading::PositionSign(joint) => {
+            let name = names.joint(*joint);
+            [
+                format!("The position of {name}{of} seems to have the other sign"),
                 format!(
-                    "turn the axis of {0} round in the robot's description (`sign` -1 in an MDH table, `axis` in a URDF file), or write a \
-                     `gear_ratio` of -1 in `[recordings]` and a gain of -1 as `gains` of `[instrument]` for {0}",
-                    names.joint(*joint)
-                )
-            }
-            Reading::MeasurementSign(joint) => {
-                format!("write a gain of -1 for {} as `gains` of `[instrument]`", names.joint(*joint))
-            }
-            Reading::AllMeasurementSigns => {
-                "write gains of -1 for all joints as `gains` of `[instrument]`".into()
-            }
-            Reading::Order { of, order } => {
+                    "write a `gear_ratio` of -1 for {name} in `[recordings]`, or turn its axis round in the robot's description (`sign` \
+                     -1 in an MDH table, `axis` in a URDF file)"
+                ),
+            ]
+        }
+        Reading::AxisSign(joint) => {
+            let name = names.joint(*joint);
+            [
+                format!("The position and the measurement of {name}{of} seem to have the other sign"),
                 format!(
-                    "list the {} in the order {order:?} of the joints now, with `columns`",
-                    columns_of(*of)
-                )
-            }
-            Reading::Delay(delay) => {
+                    "turn the axis of {name} round in the robot's description (`sign` -1 in an MDH table, `axis` in a URDF file), or \
+                     write a `gear_ratio` of -1 in `[recordings]` and a gain of -1 as `gains` of `[instrument]` for {name}"
+                ),
+            ]
+        }
+        Reading::MeasurementSign(joint) => {
+            let name = names.joint(*joint);
+            [
+                format!("The measurement of {name}{of} seems to have the other sign"),
+                format!("write a gain of -1 for {name} as `gains` of `[instrument]`"),
+            ]
+        }
+        Reading::AllMeasurementSigns => [
+            format!("All measurements{of} seem to have the other sign"),
+            "write gains of -1 for all joints as `gains` of `[instrument]`".into(),
+        ],
+        Reading::Order { of: columns, order } => {
+            let (columns, now) = (columns_of(*columns), permutation(order, names));
+            [
+                format!("The {columns}{of} seem to stand in another order, {now}"),
+                format!("list the {columns} in the order {order:?} of the joints now, with `columns`"),
+            ]
+        }
+        Reading::Delay(delay) => {
+            let [late, early] =
+                if *delay > 0.0 { ["Measurements", "positions"] } else { ["Positions", "measurements"] };
+            [
+                format!("{late}{of} seem to lag {:.0} ms behind {early}", 1e3 * delay.abs()),
                 format!(
                     "write {} for every joint as `delay_s` of `[instrument]`, or record both with one clock",
                     number(*delay)
-                )
-            }
-            Reading::Time(factor) => format!(
+                ),
+            ]
+        }
+        Reading::Time(factor) => [
+            format!("The clock{of} seems to run {}", if *factor > 1.0 { "too fast" } else { "too slowly" }),
+            format!(
                 "multiply the stamps by {}: look at the rate of the logger, and write it as `rate_hz` in `[recordings]`",
                 number(*factor)
             ),
-            Reading::Gain { joint, factor } => {
+        ],
+        Reading::Gain { joint, factor } => {
+            let name = names.joint(*joint);
+            let (size, way) = if *factor < 1.0 { (1.0 / factor, "large") } else { (*factor, "small") };
+            let factor = number(*factor);
+            [
+                format!("The measurement of {name}{of} seems to be {} too {way}", times(size)),
                 format!(
-                    "write a gain of {} for {} as `gains` of `[instrument]`, or correct its torque constant",
-                    number(*factor),
-                    names.joint(*joint)
-                )
-            }
-            Reading::Constants { joints, .. } => {
-                let joints = names.joint_list(joints);
-                format!("exchange the torque constants of {joints} in `torque_constants_nm_per_a`")
-            }
-            Reading::During { what, .. } => {
-                undone(&Mistake::Reading { what: (**what).clone(), file: None }, names)
-            }
-        },
+                    "write a gain of {factor} for {name} as `gains` of `[instrument]`, or correct its torque constant"
+                ),
+            ]
+        }
+        Reading::Constants { joints, .. } => {
+            let joints = names.joint_list(joints);
+            [
+                format!("The torque constants of {joints} seem to be exchanged"),
+                format!("exchange the torque constants of {joints} in `torque_constants_nm_per_a`"),
+            ]
+        }
+        Reading::During { what, .. } => of_reading(what, of, names),
     }
 }
 
@@ -304,10 +294,9 @@ mod tests {
             (Reading::PositionSign(1), "The position of elbow seems", "-1 for elbow"),
             (Reading::Gain { joint: 2, factor: 2.0 }, "The measurement of wrist seems", "for wrist as"),
         ] {
-            let (said, order) =
-                (seems(&reading(what.clone()), &[], names), undone(&reading(what.clone()), names));
-            assert!(said.contains(seen) && order.contains(cure), "{said} {order}");
-            let nameless = seems(&reading(what), &[], RobotNames::default());
+            let [seems, order] = said(&reading(what.clone()), &[], names);
+            assert!(seems.contains(seen) && order.contains(cure), "{seems} {order}");
+            let [nameless, _] = said(&reading(what), &[], RobotNames::default());
             assert!(nameless.contains("of joint "), "{nameless}");
         }
     }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::Experiment;
 use aurt::Progress;
 use aurt_calibration::{
-    drives::{DriveRecording, OutputErrorFit, Selection, output_error, stem},
+    drives::{DriveRecording, DrivenArm, OutputErrorFit, Selection, output_error, stem},
     with_deviation,
 };
 use aurt_diagnosis::drives::{Missed, compare};
@@ -13,42 +13,37 @@ use aurt_traits::{CommandSignal, RobotNames};
 use serde_json::json;
 
 use super::{
-    DriveOutcome, Judged, Read, arm_of,
+    DriveOutcome, Judged,
     doubts::{of_rollouts, rows_per_command},
-    doubts_of,
     gravity::{LEVEL, upside_down},
-    of_drive, options_of, read_all, warnings, without_drive,
+    note_lines,
+    setting::{Read, Setting},
+    warnings,
 };
 use crate::workbench::failure::Failure;
-
-const SIGNALS: [(CommandSignal, &str); 2] =
-    [(CommandSignal::Hold, "hold"), (CommandSignal::Linear, "linear")];
 
 /// Checks the recordings of an experiment and tells how its commands act between two rows: the drive is estimated with commands
 /// that hold and with commands on the line between two, both with a delay, and the positions of all recordings decide: both have
 /// the same numbers to fit.
 pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let (arm, mut notes) = arm_of(experiment)?;
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
-    let fitted: Vec<DriveRecording> =
-        recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
-    let all: Vec<DriveRecording> = recordings.iter().map(|r| r.recording.clone()).collect();
-    let options = options_of(experiment);
-    let selection = with_delay(&drive.selection);
-    let failed = |error| of_drive(&error, experiment, &recordings);
-    let mut tried: Vec<(&str, OutputErrorFit, Missed)> = Vec::new();
-    for (command, name) in SIGNALS {
+    let mut setting = Setting::of(experiment)?;
+    setting.read(progress)?;
+    let (all, [fitted, _]) = (setting.all(), setting.parts());
+    let (options, recordings, notes) = (&setting.options, &setting.recordings, &setting.notes);
+    let selection = with_delay(setting.selection);
+    let estimated = |(command, name)| -> Result<(&str, OutputErrorFit, Missed), Failure> {
         progress.step(format!("estimating with command = \"{name}\""));
-        let arm = aurt_calibration::drives::DrivenArm { command, ..arm.clone() };
-        let fit = output_error(&arm, &selection, &fitted, &options).map_err(failed)?;
-        let missed = Missed::of(&fit.arm, &all, &options).map_err(failed)?;
-        tried.push((name, fit, missed));
-    }
-    let [hold, linear] = &tried[..] else { return Err(without_drive(experiment)) };
-    let written = if drive.command == CommandSignal::Hold { hold.0 } else { linear.0 };
+        let failed = |error| setting.failed(&error);
+        let arm = DrivenArm { command, ..setting.arm.clone() };
+        let fit = output_error(&arm, &selection, &fitted, options).map_err(failed)?;
+        let missed = Missed::of(&fit.arm, &all, options).map_err(failed)?;
+        Ok((name, fit, missed))
+    };
+    let (hold, linear) =
+        (&estimated((CommandSignal::Hold, "hold"))?, &estimated((CommandSignal::Linear, "linear"))?);
+    let written = if setting.arm.command == CommandSignal::Hold { hold.0 } else { linear.0 };
     let p =
-        [compare(&hold.2, &linear.2, &options), compare(&linear.2, &hold.2, &options)].map(|c| c.probability);
+        [compare(&hold.2, &linear.2, options), compare(&linear.2, &hold.2, options)].map(|c| c.probability);
     let told = if p[0] <= LEVEL {
         Some(hold.0)
     } else if p[1] <= LEVEL {
@@ -56,7 +51,7 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
     } else {
         None
     };
-    let mut doubts = doubts_of(&recordings);
+    let mut doubts = setting.doubts();
     if let Some(told) = told.filter(|told| *told != written) {
         doubts.push(format!(
             "the positions are those of command = \"{told}\" (p = {:.1e}), and [drive] has \"{written}\": write `command = \"{told}\"`",
@@ -64,7 +59,7 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
         ));
     }
     let nearer = if linear.2.rms_all_rad() < hold.2.rms_all_rad() { linear } else { hold };
-    doubts.extend(of_fit(&nearer.1, experiment, &recordings, &all)?);
+    doubts.extend(of_fit(&nearer.1, &setting, &all)?);
     let stairs = recordings.iter().filter_map(|r| rows_per_command(&r.recording)).fold(f64::NAN, f64::max);
     let mut text = format!(
         "{} recordings of commands and positions\n\nthe command between two rows\n",
@@ -76,7 +71,7 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
             "  it changes with every {stairs:.1}th row while it moves: it is sent less often than recorded, and holds"
         );
     }
-    for (name, fit, missed) in &tried {
+    for (name, fit, missed) in [hold, linear] {
         let delay = fit.numbers.iter().find(|n| stem(&n.name) == "delay_s");
         let delay = delay.map_or_else(String::new, |d| {
             format!(", {} {} ms", d.name, with_deviation(1e3 * d.value, 1e3 * d.deviation))
@@ -95,8 +90,8 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
              a row later"
         ),
     };
-    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-    let by_signal = tried.iter().map(|(name, fit, missed)| {
+    text.push_str(&note_lines(notes));
+    let by_signal = [hold, linear].into_iter().map(|(name, fit, missed)| {
         let numbers =
             fit.numbers.iter().map(|n| json!({ "name": n.name, "value": n.value, "deviation": n.deviation }));
         json!({ "command": name, "rms": missed.rms_rad, "numbers": numbers.collect::<Vec<_>>() })
@@ -119,18 +114,16 @@ pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<Driv
 /// What speaks against the drives that were estimated: rollouts that explain little, gravity.
 fn of_fit(
     fit: &OutputErrorFit,
-    experiment: &Experiment,
-    recordings: &[Read],
+    setting: &Setting<'_>,
     all: &[DriveRecording],
 ) -> Result<Vec<String>, Failure> {
-    let options = options_of(experiment);
-    let failed = |error| of_drive(&error, experiment, recordings);
+    let failed = |error| setting.failed(&error);
     let judge =
         |read: &Read| Ok(Judged::of(&fit.arm, read, &fit.arm.rollout(&read.recording).map_err(failed)?));
-    let judged = recordings.iter().map(judge).collect::<Result<Vec<_>, Failure>>()?;
-    let joints = experiment.robot.robot_joints();
-    let mut doubts = of_rollouts(&judged, options.deviation_rad, RobotNames::of_joints(&joints.names));
-    doubts.extend(upside_down(&fit.arm, all, &options).map_err(failed)?);
+    let judged = setting.recordings.iter().map(judge).collect::<Result<Vec<_>, Failure>>()?;
+    let names = RobotNames::of_joints(&setting.experiment.robot.joint_names);
+    let mut doubts = of_rollouts(&judged, setting.options.deviation_rad, names);
+    doubts.extend(upside_down(&fit.arm, all, &setting.options).map_err(failed)?);
     Ok(doubts)
 }
 

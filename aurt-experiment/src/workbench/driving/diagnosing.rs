@@ -11,14 +11,14 @@ use aurt_calibration::{
 use aurt_diagnosis::drives::{
     Answer, Comparison, Demands, Diagnosis, Finding, Objection, Structure, deciders, diagnose, is_beyond,
 };
-use aurt_diagnosis::{Remainder, Rest};
+use aurt_diagnosis::{Remainder, Rest, SelectionOptions};
 use aurt_files::output::pretty;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, doubts_of, of_drive, of_joint, options_of, read_all,
-    rival::rests, warnings, without_drive,
+    CalibratedDrive, DriveOutcome, REMEDY, note_lines, of_joint, open_lines, rival::rests, setting::Setting,
+    warnings,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 
@@ -37,30 +37,24 @@ pub fn diagnose_drives(
     without: &[String],
     progress: &Progress,
 ) -> Result<DriveOutcome, Failure> {
-    let (arm, mut notes) = arm_of(experiment)?;
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    let mut setting = Setting::of(experiment)?;
     if let Some(target) = experiment.recordings.target.first() {
         let reason = format!(
             "{} is a target; positions of servo arms are not compared between recordings",
-            target.written
+            target.label
         );
         let remedy = "list it under `calibration` in an experiment of its own, and compare what its drives and joints need";
         return Err(Failure::unfit(&experiment.path, reason, remedy));
     }
-    let settings = selection(experiment)?;
-    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
-    let of = |held_out: bool| -> Vec<DriveRecording> {
-        recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
-    };
-    let (fitted, held_out) = (of(false), of(true));
-    let options = options_of(experiment);
-    let demands = Demands { level: settings.level, reduction: settings.reduction, without: without.to_vec() };
-    let found = diagnose(&arm, &drive.selection, [&fitted, &held_out], &options, &demands, |what| {
-        progress.step(what.to_owned())
-    })
-    .map_err(|error| of_drive(&error, experiment, &recordings))?;
+    let SelectionOptions { level, reduction, .. } = selection(experiment)?;
+    setting.read(progress)?;
+    let (options, [fitted, held_out]) = (&setting.options, setting.parts());
+    let demands = Demands { level, reduction, without: without.to_vec() };
+    let step = |what: &str| progress.step(what.to_owned());
+    let found = diagnose(&setting.arm, setting.selection, [&fitted, &held_out], options, &demands, step)
+        .map_err(|error| setting.failed(&error))?;
     let rolled = |recordings: &'_ [DriveRecording]| -> Result<Vec<Vec<Vec<f64>>>, Failure> {
-        let one = |r: &DriveRecording| rollout(&found, r, &options);
+        let one = |r: &DriveRecording| rollout(&found, r, options);
         recordings
             .iter()
             .map(|r| one(r).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY)))
@@ -79,26 +73,16 @@ pub fn diagnose_drives(
             rest.against(options.deviation_rad, rms)
         })
         .collect();
-    let joint_names = experiment.robot.robot_joints().names;
-    let improved = CalibratedDrive { drive_schema: 1, joint_names, arm: found.improved.arm.clone() };
-    let said = Said {
-        found: &found,
-        rests: &rests,
-        options: &options,
-        notes: &notes,
-        recordings: &recordings,
-        names: improved.names(),
-    };
-    let saved = serde_json::to_value(&improved)
-        .map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+    let improved = CalibratedDrive::of(experiment, found.improved.arm.clone());
+    let said = Said { found: &found, rests: &rests, setting: &setting, names: improved.names() };
+    let doubts = setting.doubts();
     let mut json = said.to_json(&demands);
-    json["warnings"] = json!(doubts_of(&recordings));
+    json["warnings"] = json!(doubts);
     let files = vec![
         ("verdict.json".to_owned(), pretty(&json).into_bytes()),
         ("structures.csv".to_owned(), said.table().into_bytes()),
-        (IMPROVED_DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()),
+        (IMPROVED_DRIVE_FILE.to_owned(), improved.to_file(experiment)?),
     ];
-    let doubts = doubts_of(&recordings);
     let findings = said.verdict() != "no_mismatch" || !doubts.is_empty();
     Ok(DriveOutcome { text: said.text(&demands) + &warnings(&doubts), json, files, findings })
 }
@@ -124,23 +108,21 @@ fn rollout(
 struct Said<'a> {
     found: &'a Diagnosis,
     rests: &'a [Remainder],
-    options: &'a Options,
-    notes: &'a [String],
-    recordings: &'a [Read],
+    setting: &'a Setting<'a>,
     names: RobotNames<'a>,
 }
 
 impl Said<'_> {
     /// True where more is left than the model is expected to miss, or a black box predicts as much.
     fn something_is_left(&self) -> bool {
-        self.found.missed_improved.rms_all_rad() > EXPECTED * self.options.deviation_rad
+        self.found.missed_improved.rms_all_rad() > EXPECTED * self.setting.options.deviation_rad
             || self.rests.iter().any(|r| r.rest == Rest::Something)
     }
 
     /// The joints that the improved model misses by more in the held-out recordings than twice its largest miss of a fitted one,
     /// with both, rad.
     fn held_out_differ(&self) -> Vec<(usize, [f64; 2])> {
-        let least = NUMERICAL * self.options.deviation_rad;
+        let least = NUMERICAL * self.setting.options.deviation_rad;
         let fitted = |j: usize| self.found.improved.rms_rad.iter().map(|r| r[j]).fold(least, f64::max);
         let held_out = self.found.missed_improved.rms_rad.iter().enumerate();
         held_out
@@ -176,7 +158,7 @@ impl Said<'_> {
     fn text(&self, demands: &Demands) -> String {
         let (before, after) = (&self.found.missed, &self.found.missed_improved);
         let held_out: Vec<&str> =
-            self.recordings.iter().filter(|r| r.held_out).map(|r| r.label.as_str()).collect();
+            self.setting.recordings.iter().filter(|r| r.held_out).map(|r| r.label.as_str()).collect();
         let mut text = format!(
             "{}\n\njudged on {} held-out recordings; rms of the position over all joints {:.2}e-3 rad or m\n",
             self.in_words(),
@@ -209,17 +191,14 @@ impl Said<'_> {
             );
             own.iter().for_each(|f| line(f, demands, self.names, &mut text));
         }
-        if !self.found.improved.undetermined.is_empty() {
-            text.push_str("\nleft open by these recordings\n");
-            for open in &self.found.improved.undetermined {
-                let _ = writeln!(text, "  {open}; record {}", deciders(&open.names).join(", "));
-            }
-        }
+        text.push_str(&open_lines(&self.found.improved.undetermined, |open| {
+            format!("; record {}", deciders(&open.names).join(", "))
+        }));
         let _ = write!(
             text,
             "\nremainder\n  rms {:.2}e-3 with what is missing, expected {:.2}e-3\n",
             1e3 * after.rms_all_rad(),
-            1e3 * self.options.deviation_rad,
+            1e3 * self.setting.options.deviation_rad,
         );
         for rest in self.rests {
             let predicted = rest.predictable.map_or_else(
@@ -244,8 +223,7 @@ impl Said<'_> {
             );
         }
         let _ = writeln!(text, "  not examined: {NOT_EXAMINED}");
-        self.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-        text
+        text + &note_lines(&self.setting.notes)
     }
 
     fn table(&self) -> String {
@@ -296,7 +274,7 @@ impl Said<'_> {
             },
             "remainder": self.rests,
             "not_examined": NOT_EXAMINED,
-            "notes": self.notes,
+            "notes": self.setting.notes,
         })
     }
 }

@@ -8,11 +8,11 @@ use aurt_rbd::robots::{Part, parse_part};
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::RobotJoints;
 
-use super::{CalibratedDrive, fits::mjcf, follows_positions, second_opinion::given};
+use super::{
+    CalibratedDrive, UNLIMITED, braking, fits::mjcf, follows_positions, number_of, second_opinion::given,
+};
 use crate::workbench::{exporting::Exported, failure::Failure};
 
-/// From this size on a limit is none.
-const UNLIMITED: f64 = 1e9;
 /// A stop that is not there beside one that is, rad.
 const FAR_RAD: f64 = 1e3;
 /// Sines on which a written file is compared: samples and their distance, amplitude without stops, and angular frequency of the
@@ -34,19 +34,12 @@ impl CalibratedDrive {
             let mechanics = &joint.mechanics;
             let joint_name = self.names().joint(j);
             link.iter_mut().for_each(|p| *p *= mechanics.mass_scale);
-            let numbers = joint.drive.parameters();
-            let of = |key: &str| numbers.iter().find(|p| p.parameter.name == key).map(|p| p.value);
+            let of = |key: &str| number_of(joint, key);
             let get = |key: &str| of(key).unwrap_or(0.0);
             let limited = |key: &str| of(key).filter(|v| *v < UNLIMITED);
-            let law = joint.drive.name();
             let follows = of("gain_nm_per_rad");
             let gain = follows.or(of("torque_constant_nm_per_a")).or(of("torque_nm_per_v")).unwrap_or(1.0);
-            // K_d acts within the clipping, K_e behind it.
-            let (inside, behind) = match law {
-                "pd_law" => (get("damping_nm_s_per_rad"), 0.0),
-                "position_servo" => (get("firmware_damping_nm_s_per_rad"), get("back_emf_nm_s_per_rad")),
-                _ => (0.0, get("back_emf_nm_s_per_rad")),
-            };
+            let [inside, behind] = braking(joint);
             let stops = [mechanics.lower_stop_rad, mechanics.upper_stop_rad];
             for (key, unit) in [("dead_band_rad", "rad"), ("integral_nm_per_rad_s", "Nm/(rad s)")] {
                 lost.extend(

@@ -7,11 +7,13 @@ use aurt_diagnosis::drives::Missed;
 use aurt_export::isaac::{self, Actuator};
 use aurt_traits::CommandSignal;
 
-use super::{CalibratedDrive, follows_positions, of_drive, options_of, read_all};
+use super::{
+    CalibratedDrive, UNLIMITED, braking, follows_positions, number_of,
+    setting::{of_drive, options_of, read_all},
+    values,
+};
 use crate::workbench::{exporting::Exported, failure::Failure};
 
-/// From this size on a limit is none.
-const UNLIMITED: f64 = 1e9;
 /// What Isaac Lab has no number for, with the value at which it does nothing. Its friction of rest ends with the first motion.
 const DROPPED: [(&str, f64); 9] = [
     ("speed_limit_rad_s", UNLIMITED),
@@ -34,13 +36,8 @@ impl CalibratedDrive {
             return Err(Failure::argument("TARGET", reason, "export a drive that follows positions"));
         }
         let actuator = |joint: &aurt_calibration::drives::DrivenJoint| {
-            let (numbers, mechanics) = (joint.drive.parameters(), &joint.mechanics);
-            let of = |key: &str| numbers.iter().find(|p| p.parameter.name == key).map_or(0.0, |p| p.value);
-            // K_d acts within the limit, K_e behind it.
-            let [inside, behind] = match joint.drive.name() {
-                "pd_law" => [of("damping_nm_s_per_rad"), 0.0],
-                _ => [of("firmware_damping_nm_s_per_rad"), of("back_emf_nm_s_per_rad")],
-            };
+            let (mechanics, [inside, behind]) = (&joint.mechanics, braking(joint));
+            let of = |key: &str| number_of(joint, key).unwrap_or(0.0);
             Actuator {
                 stiffness: of("gain_nm_per_rad"),
                 damping: inside,
@@ -68,9 +65,9 @@ impl CalibratedDrive {
         };
         for (key, _) in DROPPED {
             let without = without(arm, &[key]);
-            if without != numbers(arm) {
+            if without != values(arm) {
                 let joints =
-                    arm.names().into_iter().zip(numbers(arm)).zip(&without).filter(|((_, v), w)| v != *w);
+                    arm.names().into_iter().zip(values(arm)).zip(&without).filter(|((_, v), w)| v != *w);
                 let list: Vec<String> =
                     joints.map(|((name, value), _)| format!("{name} {value:.4}")).collect();
                 lost.push(format!("{}{}", list.join(", "), miss(&with(arm, &without))?));
@@ -91,15 +88,11 @@ impl CalibratedDrive {
     }
 }
 
-fn numbers(arm: &DrivenArm) -> Vec<f64> {
-    arm.numbers().iter().map(|n| n.value).collect()
-}
-
 /// The numbers without those under `keys`; the speed of a break-away that is not there does not count.
 fn without(arm: &DrivenArm, keys: &[&str]) -> Vec<f64> {
-    let mut values = numbers(arm);
+    let mut left = values(arm);
     let names = arm.names();
-    for (value, name) in values.iter_mut().zip(&names) {
+    for (value, name) in left.iter_mut().zip(&names) {
         let joint: usize = name[stem(name).len()..].trim_start_matches('_').parse().unwrap_or_default();
         let holds = arm.joints.get(joint).is_some_and(|j| j.mechanics.static_nm > 0.0);
         let own = DROPPED.iter().find(|d| d.0 == stem(name) && keys.contains(&d.0));
@@ -107,7 +100,7 @@ fn without(arm: &DrivenArm, keys: &[&str]) -> Vec<f64> {
             *value = *nothing;
         }
     }
-    values
+    left
 }
 
 fn with(arm: &DrivenArm, values: &[f64]) -> DrivenArm {

@@ -2,25 +2,21 @@
 
 use std::{fmt::Write, path::Path};
 
-use crate::{Experiment, experiment::RecordingSource};
-use aurt::{
-    Progress, Role,
-    data::{Loaded, Purpose, Source},
-    duplicates::{SampleRegister, UsedSeries},
-};
+use crate::Experiment;
+use aurt::{Progress, data::Source};
 use aurt_calibration::drives::{
-    DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error, stem,
+    DriveRecording, DrivenArm, DrivenJoint, OutputErrorFit, Undetermined, output_error, stem,
 };
 use aurt_calibration::with_deviation;
 use aurt_files::output::pretty;
-use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, RobotDescription};
-use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
+use aurt_rbd::JointKind;
+use aurt_recording::RobotJoints;
 use aurt_report::rendering::{table::Table, text::wrapped};
-use aurt_traits::{Command, MeasurementUnit, RobotNames};
+use aurt_traits::{Command, RobotNames};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::workbench::{experiments::source, failure::Failure};
+use crate::workbench::failure::Failure;
 
 mod checking;
 mod diagnosing;
@@ -31,10 +27,13 @@ mod gravity;
 mod isaac;
 mod rival;
 mod second_opinion;
+mod setting;
 
 pub use checking::check_drives;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
+
+use setting::{Read, Setting, of_drive, read};
 
 pub const DRIVE_FILE: &str = "drive_calibrated.json";
 
@@ -69,6 +68,16 @@ impl CalibratedDrive {
         }
         read.arm.validate().map_err(|e| unfit(e.to_string()))?;
         Ok(Some(read))
+    }
+
+    fn of(experiment: &Experiment, arm: DrivenArm) -> Self {
+        Self { drive_schema: 1, joint_names: experiment.robot.joint_names.clone(), arm }
+    }
+
+    fn to_file(&self, experiment: &Experiment) -> Result<Vec<u8>, Failure> {
+        let saved = serde_json::to_value(self);
+        let saved = saved.map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+        Ok(pretty(&saved).into_bytes())
     }
 
     /// The joints as people read them.
@@ -109,26 +118,15 @@ pub struct DriveOutcome {
 
 const REMEDY: &str = "look at the recording's command and position, and at [drive]";
 
-struct Read {
-    label: String,
-    file: std::path::PathBuf,
-    held_out: bool,
-    recording: DriveRecording,
-    notes: Vec<String>,
-    doubts: Vec<String>,
-}
-
 /// Estimates the drives of an experiment, and rolls out all its recordings.
 pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let (arm, mut notes) = arm_of(experiment)?;
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    let joints = experiment.robot.robot_joints();
-    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
+    let mut setting = Setting::of(experiment)?;
+    setting.read(progress)?;
     progress.step("simulating the closed loop");
-    let fitted: Vec<DriveRecording> =
-        recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
-    let fit = output_error(&arm, &drive.selection, &fitted, &options_of(experiment))
-        .map_err(|error| of_drive(&error, experiment, &recordings))?;
+    let [fitted, _] = setting.parts();
+    let (options, recordings, mut notes) = (&setting.options, &setting.recordings, setting.notes.clone());
+    let fit = output_error(&setting.arm, setting.selection, &fitted, options)
+        .map_err(|error| setting.failed(&error))?;
     if !fit.converged {
         notes.push(format!("the search ended after {} steps without converging", fit.iterations));
     }
@@ -148,15 +146,12 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
         }
         outcome.files.push((name, table(&read.recording, &simulated)));
     }
-    let model = CalibratedDrive { drive_schema: 1, joint_names: joints.names, arm: fit.arm.clone() };
-    let saved =
-        serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
-    outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
-    let mut doubts = doubts_of(&recordings);
-    doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad, model.names()));
-    let all: Vec<DriveRecording> = recordings.iter().map(|r| r.recording.clone()).collect();
-    let turned = gravity::upside_down(&fit.arm, &all, &options_of(experiment));
-    doubts.extend(turned.map_err(|error| of_drive(&error, experiment, &recordings))?);
+    let model = CalibratedDrive::of(experiment, fit.arm.clone());
+    outcome.files.push((DRIVE_FILE.to_owned(), model.to_file(experiment)?));
+    let mut doubts = setting.doubts();
+    doubts.extend(doubts::of_rollouts(&judged, options.deviation_rad, model.names()));
+    let turned = gravity::upside_down(&fit.arm, &setting.all(), options);
+    doubts.extend(turned.map_err(|error| setting.failed(&error))?);
     outcome.findings = !doubts.is_empty();
     outcome.text = text(&fit, &judged, &notes, model.names()) + &warnings(&doubts);
     outcome.json = to_json(&fit, &judged, &notes);
@@ -165,162 +160,39 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     Ok(outcome)
 }
 
-/// Reads the recordings that an experiment lists.
-fn read_all(
-    experiment: &Experiment,
-    arm: &DrivenArm,
-    notes: &mut Vec<String>,
-    progress: &Progress,
-) -> Result<Vec<Read>, Failure> {
-    let joints = experiment.robot.robot_joints();
-    let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
-    let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
-    let listed: Vec<(&RecordingSource, bool)> = listed.collect();
-    refuse_overlap(experiment, &listed)?;
-    let mut recordings = Vec::new();
-    let mut samples = SampleRegister::default();
-    for (recording, held_out) in listed {
-        progress.step(format!("reading {}", recording.written));
-        let read = read(source(recording), &joints, arm)?;
-        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
-        let role = if held_out { Role::Validation } else { Role::Calibration };
-        samples.add(&UsedSeries {
-            label: &read.label,
-            role: role.name(),
-            time_s: &read.recording.time_s,
-            motion: &read.recording.command,
-            measured: &read.recording.position_rad,
-            rows: 0..read.recording.time_s.len(),
-        })?;
-        recordings.push(Read { held_out, ..read });
-    }
-    Ok(recordings)
-}
-
-/// Refuses rows that are listed twice: held out and fitted they judge nothing, fitted twice they count twice.
-fn refuse_overlap(experiment: &Experiment, listed: &[(&RecordingSource, bool)]) -> Result<(), Failure> {
-    let file = |r: &RecordingSource| std::fs::canonicalize(&r.file).unwrap_or_else(|_| r.file.clone());
-    let window = |r: &RecordingSource| r.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    for (k, (later, held_out)) in listed.iter().enumerate() {
-        let overlaps = |(earlier, _): &&(&RecordingSource, bool)| {
-            let ([begin, end], [other_begin, other_end]) = (window(later), window(earlier));
-            let is_same = file(later) == file(earlier) && later.recorded.take == earlier.recorded.take;
-            is_same && begin.max(other_begin) < end.min(other_end)
-        };
-        let Some((_, fitted_too)) = listed[..k].iter().find(overlaps) else { continue };
-        let both = if held_out == fitted_too { "twice" } else { "fitted and held out" };
-        let reason = format!("rows of {} are listed {both}", later.written);
-        let remedy = "list other recordings, or parts that do not overlap with `window_s`";
-        return Err(Failure::unfit(&experiment.path, reason, remedy));
-    }
-    Ok(())
-}
-
-fn options_of(experiment: &Experiment) -> Options {
-    let (default, drive) = (Options::default(), experiment.drive.as_ref());
-    Options {
-        piece_s: drive.and_then(|d| d.piece_s),
-        deviation_rad: drive.and_then(|d| d.position_deviation_rad).unwrap_or(default.deviation_rad),
-        ..default
-    }
-}
-
-/// The arm that an experiment describes, and what to note of it.
-fn arm_of(experiment: &Experiment) -> Result<(DrivenArm, Vec<String>), Failure> {
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    let robot = &experiment.robot;
-    let mut notes = robot.geometry.notes();
-    notes.extend(experiment.notes.clone());
-    let chain = robot.geometry.chain(robot.gravity_m_s2)?;
-    let standard_parameters = match robot.geometry.standard_parameters() {
-        Some(standard) => standard.to_vec(),
-        None => {
-            notes.push("the robot's description states no masses: all inertia is that of the rotors, and there is no gravity".into());
-            vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
-        }
-    };
-    let (joints, command, floor) = (drive.joints.clone(), drive.command, drive.floor);
-    Ok((DrivenArm { chain, standard_parameters, joints, command, floor }, notes))
-}
-
-fn without_drive(experiment: &Experiment) -> Failure {
-    Failure::unfit(&experiment.path, "the experiment describes no drive", "add [drive]")
-}
-
-fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) -> Failure {
-    let fitted: Vec<&Read> = recordings.iter().filter(|r| !r.held_out).collect();
-    match error {
-        DriveError::Recording { recording, reason } if fitted.get(*recording).is_some() => {
-            Failure::unfit(&fitted[*recording].file, reason.clone(), REMEDY)
-        }
-        _ => Failure::unfit(&experiment.path, error.to_string(), "see [drive] of the experiment"),
-    }
-}
-
-/// Reads commands, which stand where a measurement does elsewhere, and positions.
-fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Read, Failure> {
-    let RecordedAs { angle, counts_per_revolution, gear_ratio, .. } = &source.recorded;
-    let follows = follows_positions(arm);
-    if follows && (counts_per_revolution.is_some() || gear_ratio.is_some()) {
-        return Err(Failure::unfit(
-            &source.file,
-            "`counts_per_revolution` and `gear_ratio` convert positions, and not the commands that they follow",
-            "write commands and positions in rad or degrees at the joint",
-        ));
-    }
-    let in_degrees = follows && *angle == Some(AngleUnit::Degree);
-    // The unit of a command is that of the drive.
-    source.unit = source.unit.or(Some(MeasurementUnit::NewtonMetre));
-    let loaded = Loaded::read(source, Some(joints), Purpose::Calibration)?;
-    let mut recording = cut(&loaded.recording, loaded.source.window_s)
-        .ok_or_else(|| Failure::unfit(&loaded.source.file, "the recording holds no command", REMEDY))?;
-    if in_degrees {
-        let turning = recording.command.iter_mut().enumerate().filter(|(joint, _)| !joints.slides(*joint));
-        turning.flat_map(|(_, command)| command).for_each(|c| *c = c.to_radians());
-    }
-    recording
-        .check(joints.count, 0)
-        .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
-    let names = RobotNames::of_joints(&joints.names);
-    if let Some(reason) = doubts::unsigned(&recording, arm, names) {
-        let remedy = "log currents with their sign, or use the model of the command that the drive follows";
-        return Err(Failure::unfit(&loaded.source.file, reason, remedy));
-    }
-    let notes = loaded.recording.report.notes();
-    let doubts = if follows { doubts::doubts(&recording, arm.command, names) } else { Vec::new() };
-    Ok(Read {
-        label: loaded.source.label,
-        file: loaded.source.file,
-        held_out: false,
-        recording,
-        notes,
-        doubts,
-    })
-}
-
-fn doubts_of(recordings: &[Read]) -> Vec<String> {
-    recordings.iter().flat_map(|r| r.doubts.iter().map(|doubt| format!("{}: {doubt}", r.label))).collect()
-}
-
 fn warnings(doubts: &[String]) -> String {
     doubts.iter().map(|doubt| format!("warning: {doubt}\n")).collect()
 }
 
-fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {
-    let begin_s = *recording.time_s.first()?;
-    let mut kept: Vec<usize> = (0..recording.time_s.len()).collect();
-    // Stamps that repeat say nothing of what came between.
-    kept.dedup_by(|b, a| recording.time_s[*b] <= recording.time_s[*a]);
-    let of = |series: &Vec<Vec<f64>>| series.iter().map(|s| kept.iter().map(|k| s[*k]).collect()).collect();
-    let whole = DriveRecording {
-        time_s: kept.iter().map(|k| recording.time_s[*k] - begin_s).collect(),
-        command: of(recording.measurement.as_ref()?),
-        position_rad: of(&recording.position_rad),
-        ..DriveRecording::default()
+fn note_lines(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("note: {note}\n")).collect()
+}
+
+/// Lines on numbers that recordings leave open, each with its end.
+fn open_lines(undetermined: &[Undetermined], end: impl Fn(&Undetermined) -> String) -> String {
+    let lines: String = undetermined.iter().map(|open| format!("  {open}{}\n", end(open))).collect();
+    if lines.is_empty() { lines } else { format!("\nleft open by these recordings\n{lines}") }
+}
+
+/// From this size on a limit is none.
+const UNLIMITED: f64 = 1e9;
+
+/// A number of a joint's drive by its key.
+fn number_of(joint: &DrivenJoint, key: &str) -> Option<f64> {
+    joint.drive.parameters().iter().find(|p| p.parameter.name == key).map(|p| p.value)
+}
+
+/// The braking of a joint's drive: K_d, which acts within the limit of its torque, and K_e, behind it.
+fn braking(joint: &DrivenJoint) -> [f64; 2] {
+    let keys = match joint.drive.name() {
+        "pd_law" => ["damping_nm_s_per_rad", ""],
+        _ => ["firmware_damping_nm_s_per_rad", "back_emf_nm_s_per_rad"],
     };
-    let Some([begin, end]) = window_s else { return Some(whole) };
-    let before = |edge: &dyn Fn(f64) -> bool| whole.time_s.partition_point(|t| edge(*t));
-    Some(whole.part(before(&|t| t < begin)..before(&|t| t <= end)))
+    keys.map(|key| number_of(joint, key).unwrap_or(0.0))
+}
+
+fn values(arm: &DrivenArm) -> Vec<f64> {
+    arm.numbers().iter().map(|n| n.value).collect()
 }
 
 fn table(recording: &DriveRecording, simulated: &[Vec<f64>]) -> Vec<u8> {
@@ -417,10 +289,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String], names: RobotN
         table.row([of_joint(&number.name, names), value, number.unit.to_string(), bound.to_owned()]);
     }
     text.push_str(&table.render());
-    if !fit.undetermined.is_empty() {
-        text.push_str("\nleft open by these recordings\n");
-        fit.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
-    }
+    text.push_str(&open_lines(&fit.undetermined, |_| String::new()));
     text.push_str("\nrollout from the command alone, rms of the position by joint in 1e-3 rad or mm\n");
     if !names.joints.is_empty() {
         let joints: Vec<usize> = (0..names.joints.len()).collect();
@@ -444,8 +313,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String], names: RobotN
             let _ = writeln!(text, "  {name}, all samples: {:.2}{command}", 1e3 * all);
         }
     }
-    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-    text
+    text + &note_lines(notes)
 }
 
 fn to_json(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> Value {

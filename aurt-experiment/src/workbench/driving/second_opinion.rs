@@ -16,9 +16,11 @@ use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
 use super::{
-    DriveOutcome, arm_of, doubts_of,
+    DriveOutcome, UNLIMITED,
     fits::{self, Fit},
-    follows_positions, of_drive, of_joint, options_of, read_all, warnings, without_drive,
+    follows_positions, note_lines, of_joint, open_lines,
+    setting::Setting,
+    values, warnings,
 };
 use crate::workbench::{diagnosing::selection, failure::Failure};
 
@@ -73,9 +75,8 @@ pub fn second_opinion(
     parameters: Option<&Path>,
     progress: &Progress,
 ) -> Result<DriveOutcome, Failure> {
-    let (arm, mut notes) = arm_of(experiment)?;
-    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
-    if !follows_positions(&arm) {
+    let mut setting = Setting::of(experiment)?;
+    if !follows_positions(&setting.arm) {
         let remedy = "use a [drive] that follows positions, and recordings of them";
         return Err(Failure::unfit(
             &experiment.path,
@@ -86,31 +87,28 @@ pub fn second_opinion(
     let robot_joints = experiment.robot.robot_joints();
     let names = RobotNames::of_joints(&robot_joints.names);
     let fit = fits::read(file, parameters, &robot_joints)?;
-    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
-    let of = |held_out: bool| -> Vec<DriveRecording> {
-        recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
-    };
-    let (fitted, held_out) = (of(false), of(true));
+    setting.read(progress)?;
+    let Setting { arm, selection: estimated, options, .. } = &setting;
+    let [fitted, held_out] = setting.parts();
     if held_out.is_empty() {
         let remedy = "list recordings under `validation`";
         return Err(Failure::unfit(&experiment.path, "no recording is held out to judge the fit by", remedy));
     }
-    let options = options_of(experiment);
-    let failed = |error| of_drive(&error, experiment, &recordings);
+    let failed = |error| setting.failed(&error);
     progress.step("the experiment's own model");
-    let own = output_error(&arm, &drive.selection, &fitted, &options).map_err(failed)?;
+    let own = output_error(arm, estimated, &fitted, options).map_err(failed)?;
     let (given, more_lost) = given(&own.arm, &fit, names);
     given.validate().map_err(|e| Failure::unfit(file, e.to_string(), "correct the number; units are SI"))?;
     progress.step("the fit's own numbers, estimated again");
-    let (start, selection_again) = again(&given, &own.arm, &arm, &drive.selection);
-    let again = output_error(&start, &selection_again, &fitted, &options).map_err(failed)?;
+    let (start, selection_again) = again(&given, &own.arm, arm, estimated);
+    let again = output_error(&start, &selection_again, &fitted, options).map_err(failed)?;
     progress.step("what they stand for");
-    let parts = absorbed(&again.arm, &selection_again, &own.arm, &fitted, &options).map_err(failed)?;
-    let missed = |arm: &DrivenArm| Missed::of(arm, &held_out, &options);
+    let parts = absorbed(&again.arm, &selection_again, &own.arm, &fitted, options).map_err(failed)?;
+    let missed = |arm: &DrivenArm| Missed::of(arm, &held_out, options);
     let (theirs, ours) = (missed(&given), missed(&own.arm).map_err(failed)?);
     let level = selection(experiment)?.level;
-    let probability = theirs.as_ref().map_or(0.0, |t| compare(&ours, t, &options).probability);
-    let doubts = doubts_of(&recordings);
+    let probability = theirs.as_ref().map_or(0.0, |t| compare(&ours, t, options).probability);
+    let (doubts, mut notes) = (setting.doubts(), setting.notes.clone());
     notes.extend(fit.lost.iter().chain(&more_lost).map(|lost| format!("{}: {lost}", fit.kind)));
     notes.extend(own.undetermined.iter().map(|open| format!("the own model: {open}")));
     let zeros = if fit.has_zeros { "" } else { ", zeros of the joints" };
@@ -160,7 +158,7 @@ pub(super) fn given(own: &DrivenArm, fit: &Fit, names: RobotNames<'_>) -> (Drive
                 delay_s: servo.delay_s,
                 torque_limit_nm: servo.torque_limit_nm,
             });
-            if servo.speed_limit_rad_s < 1e9 {
+            if servo.speed_limit_rad_s < UNLIMITED {
                 lost.push(format!(
                     "{}: the speed limit {:.3} rad/s has no place in a pd_law",
                     names.joint(j),
@@ -221,10 +219,6 @@ fn total(given: &DrivenArm, own: &DrivenArm, viscous: &str, place: usize) -> f64
     };
     let others = VISCOUS.iter().filter(|k| **k != viscous).map(|k| of(own, k)).sum::<f64>();
     (VISCOUS.iter().map(|k| of(given, k)).sum::<f64>() - others).max(0.0)
-}
-
-fn values(arm: &DrivenArm) -> Vec<f64> {
-    arm.numbers().iter().map(|n| n.value).collect()
 }
 
 fn numbers<'a>(
@@ -367,16 +361,12 @@ impl Said<'_> {
             let _ = writeln!(text, "{title}  {}", sentence(n, &parts, self.names));
             title = "";
         }
-        if !self.again.undetermined.is_empty() {
-            text.push_str("\nleft open by these recordings\n");
-            self.again.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
-        }
+        text.push_str(&open_lines(&self.again.undetermined, |_| String::new()));
         let record = self.record();
         if !record.is_empty() {
             let _ = writeln!(text, "\nto tell, record {}", record.join("; "));
         }
-        self.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-        text
+        text + &note_lines(self.notes)
     }
 
     fn to_json(&self, doubts: &[String]) -> Value {

@@ -12,6 +12,7 @@ use aurt_simulation::inject::Presence;
 use aurt_traits::RobotNames;
 use serde_json::Value;
 
+use super::section;
 use crate::workbench::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
 
 #[derive(Debug)]
@@ -103,13 +104,11 @@ impl Answered<'_> {
                 Cell::from(remark(row.status)),
             ]);
         }
-        Section {
-            title: "Sizes".into(),
-            introduction:
-                "A smaller effect may be present and undetected; a larger one would have been detected."
-                    .into(),
-            blocks: vec![Block::Table(table)],
-        }
+        section(
+            "Sizes",
+            "A smaller effect may be present and undetected; a larger one would have been detected.",
+            vec![Block::Table(table)],
+        )
     }
 
     /// One figure for each joint and one for the arm, in units of what the model leaves.
@@ -145,13 +144,12 @@ impl Answered<'_> {
                 })
             })
             .collect();
-        Section {
-            title: "The same beside what the model leaves".into(),
-            introduction: "Root mean square of an effect's torque over that of what the model leaves of the recordings as they \
-                           are; shorter is better."
-                .into(),
-            blocks: vec![Block::Figures(figures)],
-        }
+        section(
+            "The same beside what the model leaves",
+            "Root mean square of an effect's torque over that of what the model leaves of the recordings as they \
+                           are; shorter is better.",
+            vec![Block::Figures(figures)],
+        )
     }
 
     fn checked(&self) -> Section {
@@ -170,13 +168,12 @@ impl Answered<'_> {
                 Cell::from(word(check.named_at_half)),
             ]);
         }
-        Section {
-            title: "Checked with whole diagnoses".into(),
-            introduction: "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
-                           not."
-                .into(),
-            blocks: vec![Block::Table(table)],
-        }
+        section(
+            "Checked with whole diagnoses",
+            "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
+                           not.",
+            vec![Block::Table(table)],
+        )
     }
 
     pub fn text(&self) -> String {

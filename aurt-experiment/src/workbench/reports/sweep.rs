@@ -9,7 +9,8 @@ use aurt_report::{
 };
 use serde_json::{Value, json};
 
-use crate::workbench::results::sweep_table::{ranges, readable};
+use super::section;
+use crate::workbench::results::sweep_table::{overall, ranges, readable};
 
 /// Points that the page has in its tables.
 const MOST: usize = 200;
@@ -22,18 +23,18 @@ pub fn page(ranking: &Ranking, plan: &Plan, definition: Option<&str>) -> Page {
     let mut sections = vec![compared(&shown, &left_out), errors(&shown)];
     let troubles = troubles(&shown);
     if !troubles.is_empty() {
-        sections.push(Section { title: "Troubles".into(), introduction: String::new(), blocks: troubles });
+        sections.push(section("Troubles", "", troubles));
     }
     if let Some(text) = definition {
-        sections.push(Section {
-            title: "Experiment".into(),
-            introduction: String::new(),
-            blocks: vec![Block::Folded {
+        sections.push(section(
+            "Experiment",
+            "",
+            vec![Block::Folded {
                 title: "The experiment with its section sweep".into(),
                 open: false,
                 blocks: vec![Block::Code(text.to_owned())],
             }],
-        });
+        ));
     }
     let mut provenance = parts::program("sweep");
     provenance.push(parts::entry("Experiment", plan.experiment.display().to_string()));
@@ -83,7 +84,7 @@ fn verdict(ranking: &Ranking) -> Verdict {
         (Some(best), Some(reference)) => format!(
             "Best: \"{}\", held-out mean squared error {} % against \"{reference}\"",
             best.name,
-            best.score.map_or_else(|| "–".into(), |s| format!("{:+.1}", 100.0 * (s - 1.0)))
+            overall(best)
         ),
         _ => "No variant could be judged".into(),
     };
@@ -145,7 +146,7 @@ fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
             Cell::from(r.name.as_str()),
             Cell::from(r.coefficients.to_string()),
             Cell::from(r.shapes.to_string()),
-            Cell::from(r.score.map_or_else(|| "–".into(), |s| format!("{:+.1}", 100.0 * (s - 1.0)))),
+            Cell::from(overall(r)),
         ];
         cells.extend(r.joints.iter().map(|j| Cell {
             text: j.change_percent.map_or_else(|| "–".into(), |c| format!("{c:+.1}")),
@@ -153,17 +154,15 @@ fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
         }));
         table.row(cells);
     }
-    Section {
-        title: "Compared with the reference".into(),
-        introduction:
-            "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
-                       best."
-                .into(),
-        blocks: [Block::Figure(Figure::Bars(bars)), Block::Table(table)]
+    section(
+        "Compared with the reference",
+        "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
+                       best.",
+        [Block::Figure(Figure::Bars(bars)), Block::Table(table)]
             .into_iter()
             .chain(left_out.iter().map(|line| Block::Text(format!("{line}."))))
             .collect(),
-    }
+    )
 }
 
 fn errors(ranking: &Ranking) -> Section {
@@ -183,11 +182,7 @@ fn errors(ranking: &Ranking) -> Section {
         cells.extend(r.joints.iter().map(|j| j.mse.map_or_else(|| "–".into(), |m| significant(m, 4))));
         absolute.row(cells);
     }
-    Section {
-        title: "Errors on what was not fitted".into(),
-        introduction: String::new(),
-        blocks: vec![Block::Table(relative), Block::Table(absolute)],
-    }
+    section("Errors on what was not fitted", "", vec![Block::Table(relative), Block::Table(absolute)])
 }
 
 fn troubles(ranking: &Ranking) -> Vec<Block> {

@@ -12,6 +12,7 @@ use aurt_report::{
 use aurt_traits::RobotNames;
 use serde_json::Value;
 
+use super::section;
 use crate::workbench::tracking::{Alarm, Tracked, TrackedRecording};
 
 pub fn page(tracked: &Tracked, document: &Value) -> Page {
@@ -136,11 +137,11 @@ fn table(tracked: &Tracked) -> Section {
             ]);
         }
     }
-    Section {
-        title: "Each recording alone".into(),
-        introduction: "Friction and gains are relative to the calibrated model's: 0.1 is 10 % more.".into(),
-        blocks: vec![Block::Table(table)],
-    }
+    section(
+        "Each recording alone",
+        "Friction and gains are relative to the calibrated model's: 0.1 is 10 % more.",
+        vec![Block::Table(table)],
+    )
 }
 
 /// One figure a group, one panel a parameter.
@@ -167,13 +168,12 @@ fn charts(tracked: &Tracked) -> Section {
             })
         })
     });
-    Section {
-        title: "Drift".into(),
-        introduction: "Points: each recording alone, between the ends of its 95 % interval. Line: the tracked estimate, in \
-                       which old rows fade."
-            .into(),
-        blocks: figures.map(Block::Figure).collect(),
-    }
+    section(
+        "Drift",
+        "Points: each recording alone, between the ends of its 95 % interval. Line: the tracked estimate, in \
+                       which old rows fade.",
+        figures.map(Block::Figure).collect(),
+    )
 }
 
 fn panel(tracked: &Tracked, k: usize) -> Panel {

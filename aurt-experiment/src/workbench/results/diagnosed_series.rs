@@ -6,7 +6,7 @@ use aurt::predictions::PredictionNames;
 use aurt_diagnosis::{JointSeriesRows, RecordingSeries, Verdict};
 use aurt_traits::MeasurementUnit;
 
-use super::series::{SeriesFormat, Written};
+use super::series::{Series, SeriesFormat, difference};
 use crate::workbench::failure::Failure;
 
 /// A recording of a diagnosis: measurement, predictions and residuals before and after what was found, and where it was
@@ -23,19 +23,17 @@ pub struct DiagnosedSeries {
     pub unit: MeasurementUnit,
 }
 
-type Series = Vec<Vec<f64>>;
-
 impl DiagnosedSeries {
     pub fn to_file(&self, format: SeriesFormat, verdict: &Verdict) -> Result<Vec<u8>, Failure> {
         let RecordingSeries { name, role, time_s, joints, .. } = &self.rows;
-        let of = |values: fn(&JointSeriesRows) -> &Vec<f64>| -> Series {
+        let of = |values: fn(&JointSeriesRows) -> &Vec<f64>| -> Vec<Vec<f64>> {
             joints.iter().map(|joint| values(joint).clone()).collect()
         };
         let within = |windows: &[[f64; 2]]| -> Vec<f64> {
             let is_within = |t: &f64| windows.iter().any(|[from, to]| (*from..=*to).contains(t));
             time_s.iter().map(|t| f64::from(u8::from(is_within(t)))).collect()
         };
-        let located: Series = (0..joints.len())
+        let located: Vec<Vec<f64>> = (0..joints.len())
             .map(|joint| {
                 let here = verdict
                     .effects
@@ -44,33 +42,26 @@ impl DiagnosedSeries {
                 within(&here.filter_map(|e| e.window_s).collect::<Vec<_>>())
             })
             .collect();
-        let stands_out: Series = joints.iter().map(|joint| within(&joint.windows_s)).collect();
+        let stands_out: Vec<Vec<f64>> = joints.iter().map(|joint| within(&joint.windows_s)).collect();
         let (before, after) = (of(|j| &j.before), of(|j| &j.after));
-        let measured: Option<Series> = joints.iter().map(|j| j.measured.clone()).collect();
-        let predicted = |residual: &Series| -> Option<Series> {
-            let difference = |(m, r): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-                m.iter().zip(r).map(|(m, r)| m - r).collect()
-            };
-            Some(measured.as_ref()?.iter().zip(residual).map(difference).collect())
-        };
-        let (predicted_before, predicted_after) = (predicted(&before), predicted(&after));
+        let measured: Option<Vec<Vec<f64>>> = joints.iter().map(|j| j.measured.clone()).collect();
+        let predicted = |residual: &Vec<Vec<f64>>| measured.as_ref().map(|m| difference(m, residual));
         let quantities = [
-            ("measured", measured.as_ref()),
-            ("predicted_before", predicted_before.as_ref()),
-            ("predicted_after", predicted_after.as_ref()),
-            ("residual_before", Some(&before)),
-            ("residual_after", Some(&after)),
+            ("predicted_before", predicted(&before)),
+            ("predicted_after", predicted(&after)),
+            ("residual_before", Some(before)),
+            ("residual_after", Some(after)),
         ];
-        let stamps: Vec<f64> = time_s.iter().map(|t| self.first_s + t).collect();
-        Written {
-            label: name,
+        let quantities = [("measured", measured)].into_iter().chain(quantities);
+        Series {
+            label: name.clone(),
             unit: self.unit,
-            time_s: &stamps,
+            time_s: time_s.iter().map(|t| self.first_s + t).collect(),
             origin_s: self.origin_s,
-            joint_names: &self.joint_names,
-            position_rad: &of(|j| &j.position_rad),
-            quantities: quantities.into_iter().filter_map(|(name, s)| Some((name, s?.as_slice()))).collect(),
-            flags: vec![("located", located.as_slice()), ("stands_out", stands_out.as_slice())],
+            joint_names: self.joint_names.clone(),
+            position_rad: of(|j| &j.position_rad),
+            quantities: quantities.filter_map(|(name, series)| Some((name, series?))).collect(),
+            flags: vec![("located", located), ("stands_out", stands_out)],
         }
         .to_file(format, Path::new(name), &[("part", format!("{role:?}").to_lowercase())])
     }

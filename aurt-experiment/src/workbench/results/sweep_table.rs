@@ -97,7 +97,8 @@ pub fn to_text(ranking: &Ranking, style: Style) -> String {
     text
 }
 
-fn overall(r: &Ranked) -> String {
+/// The change of the error over all joints, %.
+pub fn overall(r: &Ranked) -> String {
     r.score.map_or_else(|| "–".into(), |s| format!("{:+.1}", 100.0 * (s - 1.0)))
 }
 

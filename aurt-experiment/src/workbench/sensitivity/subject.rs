@@ -1,4 +1,5 @@
-use crate::{Experiment, experiment::RecordingSource};
+use crate::{Experiment, experiment::place_among};
+use aurt::data::Source;
 use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
 use aurt_plugins::Registry;
@@ -7,7 +8,7 @@ use aurt_simulation::inject::{Added, Injection, Presence, Split, applied};
 use aurt_traits::{RobotModel, RobotNames};
 
 use super::claims::Claims;
-use crate::workbench::{diagnosing::selection, experiments::calibration_options, failure::Failure, injected};
+use crate::workbench::{diagnosing::selection, failure::Failure, injected};
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]
@@ -41,26 +42,17 @@ impl Subject {
     pub fn new(experiment: &Experiment) -> Result<Self, Failure> {
         let injection = Injection::new(injected::plain(experiment)?)?;
         let parts = &experiment.recordings;
-        let all: Vec<&RecordingSource> =
-            parts.calibration.iter().chain(&parts.target).chain(&parts.validation).collect();
-        // Recordings are numbered as the injection has them: in this order, each once.
-        let mut known: Vec<&RecordingSource> = Vec::new();
-        for source in all {
-            if !known.iter().any(|s| s.is_the_same_as(source)) {
-                known.push(source);
-            }
-        }
-        let places = |list: &[RecordingSource]| -> Vec<usize> {
-            list.iter().filter_map(|source| known.iter().position(|s| s.is_the_same_as(source))).collect()
-        };
-        let (calibration, target) = (places(&parts.calibration), places(&parts.target));
-        let validation = places(&parts.validation);
+        // Recordings are numbered as the injection has them.
+        let known = parts.each_once();
+        let places = |list: &[Source]| list.iter().filter_map(|source| place_among(&known, source)).collect();
+        let [calibration, target, validation]: [Vec<usize>; 3] =
+            [&parts.calibration, &parts.target, &parts.validation].map(|list| places(list));
         let presence = if target.is_empty() { Presence::All } else { Presence::Changed };
         let mut subject = Self {
             injection,
             split: Split { presence, turn: 0, calibration, target, validation },
             model: experiment.robot_model()?,
-            calibration: calibration_options(experiment),
+            calibration: experiment.calibration,
             selection: selection(experiment)?,
             recordings: Vec::new(),
         };

@@ -4,7 +4,6 @@ use aurt_calibration::{
     Baseline, CalibrationError, ChangePoint, Chart, DriftEstimate, DriftParameter, DriftReference,
     DriftWindow, Solution, System, Tracker, average_run_length, own_residuals, threshold_for,
 };
-use aurt_traits::MeasurementUnit;
 
 use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
 
@@ -50,77 +49,77 @@ impl Charted {
 
 /// What has been seen so far; its size does not depend on how much that was, but for the rows of the table.
 pub(super) struct Follower {
-    pub(super) options: TrackOptions,
-    parameters: Vec<DriftParameter>,
-    joint_names: Vec<String>,
+    pub(super) tracked: Tracked,
     sigma: Vec<f64>,
     columns: Vec<Vec<usize>>,
     tracker: Tracker,
     charts: Vec<Charted>,
-    run_length: f64,
-    threshold: f64,
     sources: Vec<String>,
     /// Last stamp of the recording before, s.
     ended_s: f64,
     /// The recording that is being taken in: its rows, their duration in s, and its windows.
     current: (Option<System>, f64, usize),
-    recordings: Vec<TrackedRecording>,
-    alarms: Vec<Alarm>,
-    pub(super) notes: Vec<String>,
 }
 
 impl Follower {
-    pub(super) fn new(reference: &DriftReference<'_>, sigma: &[f64], options: TrackOptions) -> Self {
-        let (parameters, columns) = (reference.parameters(), reference.columns());
-        Self {
-            options,
-            tracker: Tracker::new(parameters.len(), columns.clone(), sigma),
-            parameters,
-            joint_names: reference.model.rigid_body().joint_names().to_vec(),
-            sigma: sigma.to_vec(),
-            columns,
-            charts: Vec::new(),
-            run_length: f64::INFINITY,
-            threshold: 0.0,
-            sources: Vec::new(),
-            ended_s: f64::NEG_INFINITY,
-            current: (None, 0.0, 0),
-            recordings: Vec::new(),
-            alarms: Vec::new(),
-            notes: Vec::new(),
-        }
-    }
-
     /// A chart for every joint's friction and gain and for the mass of the load, where the baseline determines it; their
     /// false alarms together come as seldom as asked for.
-    pub(super) fn chart(&mut self, baseline: &Baseline) {
+    pub(super) fn new(
+        reference: &DriftReference<'_>,
+        sigma: &[f64],
+        options: TrackOptions,
+        (baseline, baseline_recordings): (Baseline, Vec<String>),
+        mut notes: Vec<String>,
+    ) -> Self {
+        let (parameters, columns) = (reference.parameters(), reference.columns());
         let is_charted = |k: &usize| {
-            let p = &self.parameters[*k];
+            let p: &DriftParameter = &parameters[*k];
             p.joint.is_some() || p.unit == "kg"
         };
-        let charted: Vec<usize> = (0..self.parameters.len()).filter(is_charted).collect();
-        let known = charted.iter().filter(|k| Chart::new(**k, baseline, 0.0).is_some()).count();
-        let windows = self.options.false_alarm_h * 3600.0 / self.options.window_s;
-        self.threshold = threshold_for(Chart::ALLOWANCE, windows * (known * Chart::SUMS) as f64);
-        self.run_length = average_run_length(Chart::ALLOWANCE, self.threshold);
-        self.charts = charted
+        let charted: Vec<usize> = (0..parameters.len()).filter(is_charted).collect();
+        let known = charted.iter().filter(|k| Chart::new(**k, &baseline, 0.0).is_some()).count();
+        let windows = options.false_alarm_h * 3600.0 / options.window_s;
+        let threshold = threshold_for(Chart::ALLOWANCE, windows * (known * Chart::SUMS) as f64);
+        let charts: Vec<Charted> = charted
             .into_iter()
-            .filter_map(|parameter| Chart::new(parameter, baseline, self.threshold))
+            .filter_map(|parameter| Chart::new(parameter, &baseline, threshold))
             .map(|chart| Charted { chart, places: VecDeque::new(), first: 0, is_silent: false })
             .collect();
         if baseline.motions.iter().all(|m| *m < 2) {
-            self.notes.push(
+            notes.push(
                 "the unchanged machine is one recording: by how much another motion differs from it is not known, and may \
                  show as a change; list recordings of other motions"
                     .into(),
             );
+        }
+        Self {
+            tracker: Tracker::new(parameters.len(), columns.clone(), sigma),
+            tracked: Tracked {
+                options,
+                parameters,
+                joint_names: reference.model.rigid_body().joint_names().to_vec(),
+                baseline,
+                baseline_recordings,
+                charts: charts.len(),
+                threshold,
+                average_run_length_windows: average_run_length(Chart::ALLOWANCE, threshold),
+                recordings: Vec::new(),
+                alarms: Vec::new(),
+                notes,
+            },
+            sigma: sigma.to_vec(),
+            columns,
+            charts,
+            sources: Vec::new(),
+            ended_s: f64::NEG_INFINITY,
+            current: (None, 0.0, 0),
         }
     }
 
     /// The windows that follow are of this recording or stream with these first and last stamps.
     pub(super) fn begin(&mut self, source: String, span_s: [f64; 2]) {
         self.sources.push(source);
-        if !self.options.continues(self.ended_s, span_s[0]) {
+        if !self.tracked.options.continues(self.ended_s, span_s[0]) {
             self.begin_motion();
         }
         self.ended_s = span_s[1];
@@ -132,11 +131,7 @@ impl Follower {
     }
 
     /// Takes in the next window; the first alarm that it makes certain.
-    pub(super) fn take(
-        &mut self,
-        window: &DriftWindow,
-        baseline: &Baseline,
-    ) -> Result<Option<Alarm>, CalibrationError> {
+    pub(super) fn take(&mut self, window: &DriftWindow) -> Result<Option<Alarm>, CalibrationError> {
         let DriftEstimate { solution, rows } = DriftEstimate::of(&window.system, &self.sigma)?;
         self.current.1 += window.duration_s;
         self.tracker.forget(&self.kept(window.duration_s))?;
@@ -151,15 +146,16 @@ impl Follower {
         self.current.2 += 1;
         let source = self.sources.len().saturating_sub(1);
         let place = Place { source, start_s: window.start_s, end_s: window.start_s + window.duration_s };
-        let before = self.alarms.len();
+        let Tracked { baseline, parameters, joint_names, alarms, .. } = &mut self.tracked;
+        let before = alarms.len();
         for chart in &mut self.charts {
             if let Some((change, places)) = chart.push(baseline, &solution, place) {
-                let parameter = &self.parameters[chart.chart.parameter];
+                let parameter = &parameters[chart.chart.parameter];
                 let named = |place: Place| self.sources.get(place.source).cloned().unwrap_or_default();
-                self.alarms.push(Alarm {
+                alarms.push(Alarm {
                     group: parameter.group,
                     joint: parameter.joint,
-                    joint_name: parameter.joint.and_then(|joint| self.joint_names.get(joint).cloned()),
+                    joint_name: parameter.joint.and_then(|joint| joint_names.get(joint).cloned()),
                     parameter: parameter.name.clone(),
                     rose: change.rose,
                     since_recording: named(places[0]),
@@ -169,23 +165,24 @@ impl Follower {
                 });
             }
         }
-        Ok(self.alarms.get(before).cloned())
+        Ok(alarms.get(before).cloned())
     }
 
     /// Ends a row of the table.
-    pub(super) fn close(&mut self, name: String, baseline: &Baseline) -> Result<(), CalibrationError> {
+    pub(super) fn close(&mut self, name: String) -> Result<(), CalibrationError> {
         let (rows, duration_s, windows) = std::mem::take(&mut self.current);
+        let Tracked { options, baseline, parameters, recordings, notes, .. } = &mut self.tracked;
         if windows == 0 {
-            self.notes.push(format!(
+            notes.push(format!(
                 "{name} is shorter than a window of {} s: its drift is estimated, but not charted",
-                self.options.window_s
+                options.window_s
             ));
         }
         let rows = rows.ok_or(CalibrationError::NothingToCalibrateOn)?;
-        let mut alone = Tracker::new(self.parameters.len(), self.columns.clone(), &self.sigma);
+        let n = parameters.len();
+        let mut alone = Tracker::new(n, self.columns.clone(), &self.sigma);
         alone.add(&rows)?;
         let (mut alone, mut followed) = (alone.estimate()?, self.tracker.estimate()?);
-        let n = self.parameters.len();
         for (k, wider) in own_residuals(&rows, &alone, &self.sigma).into_iter().enumerate() {
             alone.covariance[k * n + k] *= wider;
             followed.covariance[k * n + k] *= wider;
@@ -193,7 +190,7 @@ impl Follower {
         let window_variances: Vec<f64> =
             (0..n).map(|k| alone.covariance[k * n + k] * windows.max(1) as f64).collect();
         let drift = |of: &Solution| (0..n).map(|k| baseline.drift(of, k, window_variances[k])).collect();
-        self.recordings.push(TrackedRecording {
+        recordings.push(TrackedRecording {
             recording: name,
             duration_s,
             windows,
@@ -210,34 +207,7 @@ impl Follower {
 
     /// The share of its information that each parameter keeps over some seconds.
     fn kept(&self, duration_s: f64) -> Vec<f64> {
-        let half_life_s = |p: &DriftParameter| self.options.half_life_s[p.group as usize];
-        self.parameters.iter().map(|p| (-duration_s / half_life_s(p)).exp2()).collect()
-    }
-
-    pub(super) fn finished(
-        mut self,
-        baseline: Baseline,
-        baseline_recordings: Vec<String>,
-        unit: MeasurementUnit,
-    ) -> Tracked {
-        if unit == MeasurementUnit::Ampere {
-            self.notes.push(
-                "the model is in A, where a mass has no unit: a load shows as gains; `torque_constants_nm_per_a` makes it kg"
-                    .into(),
-            );
-        }
-        Tracked {
-            options: self.options,
-            baseline,
-            baseline_recordings,
-            charts: self.charts.len(),
-            threshold: self.threshold,
-            average_run_length_windows: self.run_length,
-            parameters: self.parameters,
-            joint_names: self.joint_names,
-            recordings: self.recordings,
-            alarms: self.alarms,
-            notes: self.notes,
-        }
+        let half_life_s = |p: &DriftParameter| self.tracked.options.half_life_s[p.group as usize];
+        self.tracked.parameters.iter().map(|p| (-duration_s / half_life_s(p)).exp2()).collect()
     }
 }

@@ -26,10 +26,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use self::{follower::Follower, running::Running};
-use crate::workbench::{
-    experiments::{check_robot_of, source},
-    failure::Failure,
-};
+use crate::workbench::{experiments::check_robot_of, failure::Failure};
 
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackOptions {
@@ -151,39 +148,14 @@ pub fn track(
     if let LoadTorque::Fitted(weights) = &mut load {
         weights.resize(model.parameters().len(), 0.0);
     }
-    let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
-    let sources: Vec<Source> = sources.map(source).collect();
+    let sources = experiment.recordings.fitted_and_held_out();
+    let sources: Vec<Source> = sources.map(|(source, _)| source.clone()).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    // Recordings of each motion, and the joints of each whose rows do not count.
-    let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
-    let mut without: Vec<Vec<usize>> = Vec::new();
-    let mut notes: Vec<String> = Vec::new();
-    if ends_in_branches(&**calibrated.model.rigid_body()) {
-        notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
-    }
-    let mut base: Option<Vec<BranchMotion>> = None;
-    let mut ended_s = f64::NEG_INFINITY;
-    let mut samples = SampleRegister::default();
-    for source in sources {
-        progress.step(format!("the unchanged machine: {}", source.label));
-        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
-        samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "the unchanged machine"))?;
-        let [first_s, last_s] = span_s(&loaded);
-        notes.extend(loaded.warnings());
-        base.get_or_insert_with(|| loaded.recording.report.branches.clone());
-        let recording = prepared_of(calibrated, &loaded)?;
-        without.push(contaminated(&loaded));
-        match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
-            Some(motion) => motion.push(recording),
-            None => unchanged.push(vec![recording]),
-        }
-        ended_s = last_s;
-    }
+    let Unchanged { motions: unchanged, without, base, notes } =
+        Unchanged::read(calibrated, sources, &options, progress)?;
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
-    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
-    follower.notes = notes;
     let mut motions = Vec::new();
     let mut without = without.iter();
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
@@ -197,8 +169,8 @@ pub fn track(
         motions.push(whole.map(estimate).collect::<Result<Vec<_>, CalibrationError>>()?);
     }
     drop(unchanged);
-    let baseline = Baseline::learn(&motions)?;
-    follower.chart(&baseline);
+    let learnt = (Baseline::learn(&motions)?, names);
+    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone(), learnt, notes);
     // A recording of the unchanged machine may be followed: it shows what no change looks like.
     let mut samples = SampleRegister::default();
     // Files of one machine are alike: what the experiment says of columns and units holds for these.
@@ -223,34 +195,86 @@ pub fn track(
             Followed::File(path) => {
                 let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
                 if is_running {
-                    Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
+                    Running::new(&mut follower, &reference, calibrated, source).follow(said)?;
                     continue;
                 }
                 calibrated.pipeline().read(source, Purpose::Calibration)?
             }
         };
         samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "followed"))?;
-        follower.notes.extend(loaded.warnings());
+        follower.tracked.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let left_out = contaminated(&loaded);
-        let moved =
-            BranchMotion::elsewhere(&loaded.recording.report.branches, base.as_deref().unwrap_or_default());
+        let moved = BranchMotion::elsewhere(&loaded.recording.report.branches, &base);
         if moved.is_some() || left_out.len() == calibrated.model.joints() {
             let note =
                 "no joint is without motion or a posture of joints outside the model: nothing is followed";
-            follower.notes.push(format!("{}: {note}", recording.name));
+            follower.tracked.notes.push(format!("{}: {note}", recording.name));
             continue;
         }
         let windows = drift_windows(&reference, &recording, &left_out, Cut::whole(options.window_s))?;
         follower.begin(recording.name.clone(), span_s(&loaded));
         for window in windows {
-            if let Some(alarm) = follower.take(&window, &baseline)? {
+            if let Some(alarm) = follower.take(&window)? {
                 said(&alarm);
             }
         }
-        follower.close(recording.name, &baseline)?;
+        follower.close(recording.name)?;
     }
-    Ok(follower.finished(baseline, names, calibration.unit))
+    let mut tracked = follower.tracked;
+    if calibration.unit == MeasurementUnit::Ampere {
+        tracked.notes.push(
+            "the model is in A, where a mass has no unit: a load shows as gains; `torque_constants_nm_per_a` makes it kg"
+                .into(),
+        );
+    }
+    Ok(tracked)
+}
+
+/// Recordings of the unchanged machine.
+#[derive(Default)]
+struct Unchanged {
+    /// The recordings of each motion.
+    motions: Vec<Vec<NamedRecording>>,
+    /// The joints of each recording whose rows do not count.
+    without: Vec<Vec<usize>>,
+    /// Motions beside the chain in the first of them.
+    base: Vec<BranchMotion>,
+    notes: Vec<String>,
+}
+
+impl Unchanged {
+    fn read(
+        calibrated: &CalibratedModel,
+        sources: Vec<Source>,
+        options: &TrackOptions,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let mut unchanged = Self::default();
+        if ends_in_branches(&**calibrated.model.rigid_body()) {
+            unchanged.notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
+        }
+        let mut ended_s = f64::NEG_INFINITY;
+        let mut samples = SampleRegister::default();
+        for (k, source) in sources.into_iter().enumerate() {
+            progress.step(format!("the unchanged machine: {}", source.label));
+            let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+            samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "the unchanged machine"))?;
+            let [first_s, last_s] = span_s(&loaded);
+            unchanged.notes.extend(loaded.warnings());
+            if k == 0 {
+                unchanged.base = loaded.recording.report.branches.clone();
+            }
+            let recording = prepared_of(calibrated, &loaded)?;
+            unchanged.without.push(contaminated(&loaded));
+            match unchanged.motions.last_mut().filter(|_| options.continues(ended_s, first_s)) {
+                Some(motion) => motion.push(recording),
+                None => unchanged.motions.push(vec![recording]),
+            }
+            ended_s = last_s;
+        }
+        Ok(unchanged)
+    }
 }
 
 /// The recordings in a folder, by name: files of every format but `.txt`, which notes have too, and bags that are folders
@@ -344,8 +368,7 @@ fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotM
         return Ok(model.clone());
     }
     let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });
-    let load: Box<dyn ArmTerm> =
-        registry.build_from_json(&load).map_err(aurt_plugins::model::Error::Build)?;
+    let load: Box<dyn ArmTerm> = registry.build_from_json(&load)?;
     let terms = model.arm_terms().iter().cloned().chain([load]).collect();
     RobotModel::new(model.rigid_body().clone(), model.base().clone(), model.stacks().to_vec(), terms)
         .map_err(Into::into)

@@ -6,7 +6,7 @@ use aurt::{
     CalibratedModel,
     data::{Loaded, Purpose, Source},
 };
-use aurt_calibration::{Baseline, CalibrationError, Cut, DriftReference, drift_windows};
+use aurt_calibration::{CalibrationError, Cut, DriftReference, drift_windows};
 use aurt_recording::{PreprocessReport, Recording, RecordingError, read_running};
 
 use super::{Alarm, Follower, prepared_of};
@@ -25,7 +25,6 @@ const TOLD: usize = 5;
 pub(super) struct Running<'a> {
     follower: &'a mut Follower,
     reference: &'a DriftReference<'a>,
-    baseline: &'a Baseline,
     calibrated: &'a CalibratedModel,
     source: Source,
     settling_s: f64,
@@ -46,7 +45,6 @@ impl<'a> Running<'a> {
     pub(super) fn new(
         follower: &'a mut Follower,
         reference: &'a DriftReference<'a>,
-        baseline: &'a Baseline,
         calibrated: &'a CalibratedModel,
         source: Source,
     ) -> Self {
@@ -55,7 +53,6 @@ impl<'a> Running<'a> {
         Self {
             follower,
             reference,
-            baseline,
             calibrated,
             source,
             settling_s: SETTLING_PERIODS / lowest_hz,
@@ -96,7 +93,7 @@ impl<'a> Running<'a> {
         let report = report?;
         self.take_until(f64::INFINITY, said)?;
         self.close()?;
-        self.follower.notes.extend(report.notes());
+        self.follower.tracked.notes.extend(report.notes());
         self.tell();
         Ok(())
     }
@@ -115,7 +112,7 @@ impl<'a> Running<'a> {
             Some(pending) => append(pending, piece),
         }
         // Windows that are preprocessed together.
-        let length_s = self.follower.options.longest_pause_s();
+        let length_s = self.follower.tracked.options.longest_pause_s();
         while last >= self.done_s + length_s + self.settling_s {
             let next_s = self.first_from(self.done_s);
             if next_s >= self.done_s + length_s {
@@ -174,9 +171,10 @@ impl<'a> Running<'a> {
             Err(failure) => return Err(failure),
         };
         self.watch(&prepared.data.report, span_s);
-        let cut = Cut { window_s: self.follower.options.window_s, span_s, origin_s: Some(self.origin_s) };
+        let cut =
+            Cut { window_s: self.follower.tracked.options.window_s, span_s, origin_s: Some(self.origin_s) };
         for window in drift_windows(self.reference, &prepared, &[], cut)? {
-            if let Some(alarm) = self.follower.take(&window, self.baseline)? {
+            if let Some(alarm) = self.follower.take(&window)? {
                 said(&alarm);
             }
         }
@@ -203,23 +201,21 @@ impl<'a> Running<'a> {
         let [from_s, to_s] = [self.row_from_s - self.origin_s, end_s - self.origin_s];
         let name = format!("{}, {from_s:.0} s to {to_s:.0} s", self.source.label);
         self.row_from_s = end_s;
-        self.follower.close(name, self.baseline)
+        self.follower.close(name)
     }
 
     fn tell(self) {
         let Self { follower, source, rates, jumps, missing_s, resting_s, .. } = self;
-        let label = source.label;
+        let (label, notes) = (source.label, &mut follower.tracked.notes);
         if jumps > 0 {
-            follower
-                .notes
-                .push(format!("{label}: time jumped {jumps} times, over {missing_s:.1} s together"));
+            notes.push(format!("{label}: time jumped {jumps} times, over {missing_s:.1} s together"));
         }
         if resting_s > 0.0 {
-            follower.notes.push(format!("{label}: {resting_s:.0} s at rest or in fragments say nothing"));
+            notes.push(format!("{label}: {resting_s:.0} s at rest or in fragments say nothing"));
         }
         if !rates.is_empty() {
             let shown = rates[..rates.len().min(TOLD)].join("; ");
-            follower.notes.push(format!("{label}: the rate changed {} times: {shown}", rates.len()));
+            notes.push(format!("{label}: the rate changed {} times: {shown}", rates.len()));
         }
     }
 }

@@ -6,12 +6,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use aurt::data::Source;
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
+use aurt_experiment::Experiment;
 use aurt_experiment::sweep::{
     Data, Folder, Loader, Outcome, Plan, PointError, PointResult, Settings, Summary, Sweep, SweepError,
     Validate, run,
 };
-use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_traits::MeasurementUnit;
@@ -153,7 +154,7 @@ pub struct TestLoader;
 impl TestLoader {
     pub fn read(
         experiment: &Experiment,
-        sources: &[RecordingSource],
+        sources: &[Source],
         trim_rest: bool,
     ) -> Result<Vec<NamedRecording>, PointError> {
         let refuse = |e: aurt_recording::RecordingError| PointError::Recordings(e.to_string());
@@ -169,7 +170,7 @@ impl TestLoader {
             .map(|source| {
                 let recording = read_recording(&source.file, &ReadOptions::default()).map_err(refuse)?;
                 let data = preprocess(&recording, &options).map_err(refuse)?;
-                Ok(NamedRecording { name: source.written.clone(), data })
+                Ok(NamedRecording { name: source.label.clone(), data })
             })
             .collect()
     }

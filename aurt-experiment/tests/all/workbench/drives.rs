@@ -93,7 +93,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         label: "a.csv".into(),
         window_s: None,
         unit: None,
-        columns: experiment.recordings.calibration[0].columns.as_ref().map(Into::into),
+        columns: experiment.recordings.calibration[0].columns.clone(),
         recorded: RecordedAs::default(),
     };
     let in_counts = RecordedAs { counts_per_revolution: Some(vec![4096.0]), ..RecordedAs::default() };
