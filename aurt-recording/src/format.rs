@@ -1,11 +1,8 @@
 //! What a format of recordings is, and the file that it reads.
 
-use std::{
-    fmt::Debug,
-    fs::File,
-    io::{Cursor, Read, Seek},
-    path::Path,
-};
+use std::fs::File;
+use std::io::{Cursor, Read, Seek};
+use std::path::Path;
 
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
@@ -17,38 +14,32 @@ pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), Recordin
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
 
+/// What is read of a recording, and where it goes: pieces of `piece_rows` rows to `visit` as soon as they are complete, each a
+/// recording by itself; the last, with the report on all of them, is what reading returns.
+pub(crate) struct Reading<'a> {
+    pub options: &'a ReadOptions,
+    pub piece_rows: usize,
+    pub visit: Visit<'a>,
+}
+
 /// A format that recordings are read from.
 ///
-/// A file belongs to the first format that [recognises](Self::recognises) its beginning, else to the first that has the
-/// [ending](Self::endings) of its name, else it is read as text ([`Csv`](crate::Csv)).
-pub trait RecordingFormat: Debug + Send + Sync {
+/// A file belongs to the first format that recognises its beginning, else to the first that has the ending of its name, else
+/// it is read as text ([`CSV`](crate::CSV)).
+#[derive(Debug)]
+pub struct RecordingFormat {
     /// The format's name, as reports write it.
-    fn name(&self) -> &'static str;
-
+    pub name: &'static str,
     /// Endings of file names, lower case and without the dot.
-    fn endings(&self) -> &'static [&'static str];
-
+    pub endings: &'static [&'static str],
     /// Whether the first 64 KiB of a file (fewer, if it is shorter) can only be this format's.
-    fn recognises(&self, beginning: &[u8]) -> bool;
-
-    /// Reads a recording. Pieces of `piece_rows` rows go to `visit` as soon as they are complete, each a recording by
-    /// itself; the last, with the report on all of them, is returned.
-    ///
-    /// # Errors
-    /// What is wrong with the file, with its place and what to do; whatever `visit` returns.
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError>;
+    pub(crate) recognises: fn(&[u8]) -> bool,
+    pub(crate) read: fn(RecordingInput<'_>, Reading<'_>) -> Result<Recording, RecordingError>,
 }
 
 /// An open file whose beginning has been read.
 #[derive(Debug)]
-pub struct RecordingInput<'a> {
-    /// Its path.
+pub(crate) struct RecordingInput<'a> {
     pub path: &'a Path,
     /// Its first bytes.
     pub beginning: Vec<u8>,
@@ -79,11 +70,16 @@ impl<'a> RecordingInput<'a> {
         if path.is_dir() {
             return Err(RecordingError::Directory { path: path.to_owned(), inside: recordings_in(path) });
         }
-        let unreadable = |source| unreadable(path, source);
-        let mut file = aurt_files::open(path).map_err(unreadable)?;
+        let file = aurt_files::open(path).map_err(|source| unreadable(path, source))?;
         let bytes = file.metadata().map_or(0, |m| m.len());
+        Self::begun(path, file, bytes)
+    }
+
+    /// A file of so many bytes that is called `path`, from where it stands on.
+    pub(crate) fn begun(path: &'a Path, mut file: File, bytes: u64) -> Result<Self, RecordingError> {
         let mut beginning = Vec::new();
-        file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning).map_err(unreadable)?;
+        let read = file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning);
+        read.map_err(|source| unreadable(path, source))?;
         Ok(Self { path, beginning, bytes, file })
     }
 
@@ -98,7 +94,7 @@ impl<'a> RecordingInput<'a> {
     }
 
     /// All of it, from the first byte on.
-    pub fn reader(&self) -> impl Read {
+    pub(crate) fn reader(&self) -> impl Read {
         Cursor::new(self.beginning.as_slice()).chain(&self.file)
     }
 }

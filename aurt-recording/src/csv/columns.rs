@@ -1,12 +1,14 @@
+use std::path::Path;
+
 use aurt_traits::MeasurementUnit;
 
 use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
+use crate::csv::header::Header;
 use crate::csv::search::Search;
 use crate::error::RecordingError;
-use crate::recorded_as::Factor;
-use crate::recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
-use crate::recording::RecordedJoints;
+use crate::recorded_as::{AngleUnit, CurrentUnit, Factor, Quantity, RecordedAs, TimeUnit};
+use crate::recording::{ReadReport, RecordedJoints, Recording};
 
 #[derive(Debug)]
 pub(super) struct Selected {
@@ -43,6 +45,40 @@ impl Selected {
         all.extend(self.nanoseconds);
         all.extend(self.branches.iter().map(|(_, column)| column));
         all
+    }
+
+    /// Where each quantity is taken from.
+    pub(super) fn in_words(&self, header: &Header) -> Vec<String> {
+        let time = match (self.time, self.rate_hz) {
+            (Some(time), _) => header.name(time),
+            (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
+        };
+        let mut columns = vec![format!("time: {time}")];
+        if !self.position.is_empty() {
+            columns.push(format!("position: {}", header.span(&self.position)));
+        }
+        columns.extend(self.velocity.iter().map(|v| format!("velocity: {}", header.span(v))));
+        let measured = self.measurement.iter();
+        columns.extend(measured.map(|m| format!("{}: {}", self.unit.quantity(), header.span(m))));
+        columns
+    }
+
+    /// The recording of some series: time, positions, velocities, measurements, as far as they were selected.
+    pub(super) fn recording(&self, path: &Path, series: Vec<Vec<f64>>, report: ReadReport) -> Recording {
+        // A file that is joined to another may have no positions.
+        let mut series = series.into_iter();
+        let mut family = |columns: &[usize]| series.by_ref().take(columns.len()).collect::<Vec<_>>();
+        let time_s = family(&[0]).pop().unwrap_or_default();
+        Recording {
+            file: path.to_owned(),
+            time_s,
+            position_rad: family(&self.position),
+            velocity_rad_s: self.velocity.as_deref().map(&mut family),
+            measurement: self.measurement.as_deref().map(&mut family),
+            unit: self.unit,
+            joints: self.joints.clone(),
+            report,
+        }
     }
 }
 

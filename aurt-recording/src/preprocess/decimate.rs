@@ -18,8 +18,3 @@ impl Decimation {
         Self { exact, factor: (exact.round() as usize).max(1) }
     }
 }
-
-/// Every `factor`-th value of `series`, from its first.
-pub(crate) fn thin(series: &[f64], factor: usize) -> Vec<f64> {
-    series.iter().step_by(factor).copied().collect()
-}

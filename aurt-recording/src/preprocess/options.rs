@@ -79,6 +79,13 @@ impl PreprocessOptions {
         if self.count_ends { filter.filter_all(positions) } else { filter.filter_positions(positions) }
     }
 
+    /// A joint's measurement with the instrument's offset and gain undone.
+    pub(crate) fn corrected(&self, joint: usize, raw: &[f64]) -> Vec<f64> {
+        let gain = self.gains.as_ref().map_or(1.0, |g| g[joint]);
+        let offset = self.offsets.as_ref().map_or(0.0, |o| o[joint]);
+        raw.iter().map(|v| (v - offset) * gain).collect()
+    }
+
     /// The paper's defaults for dynamics up to `f_dyn_hz`.
     #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
