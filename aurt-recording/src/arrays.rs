@@ -8,8 +8,8 @@ use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
 use crate::format::Reading;
 use crate::memory::Memory;
+use crate::read_options::{ColumnRef, ColumnSelection};
 use crate::recording::Recording;
-use crate::selection::{ColumnRef, ColumnSelection};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Array {

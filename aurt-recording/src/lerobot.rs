@@ -16,9 +16,9 @@ use crate::formats::refuse_foreign;
 use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, PARQUET};
 use crate::read_options::ReadOptions;
+use crate::read_options::{ColumnRef, ColumnsRef};
 use crate::recording::{RecordedJoints, Recording};
 use crate::robot_joints::places;
-use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";

@@ -74,7 +74,6 @@ mod recorded_as;
 mod recording;
 mod robot_joints;
 mod sampling;
-mod selection;
 mod spread;
 mod written;
 
@@ -101,12 +100,12 @@ pub use preprocess::{
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
 pub use read_options::ReadOptions;
+pub use read_options::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use reading::{read_recording, read_running};
 pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use sampling::{StampUnit, suitable_f_dyn_hz};
-pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
 pub use written::PlannedMotion;
 #[cfg(feature = "parquet")]

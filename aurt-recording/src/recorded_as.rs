@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use aurt_traits::MeasurementUnit;
 
 use crate::error::RecordingError;
-use crate::selection::ColumnSelection;
+use crate::read_options::ColumnSelection;
 
 /// The unit of positions and, per second, of velocities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,8 +3,8 @@ use std::path::Path;
 use aurt_traits::MeasurementUnit;
 
 use crate::csv::clock::Clock;
+use crate::csv::dialect::{Dialect, parse_number};
 use crate::csv::families::{self, Families};
-use crate::csv::header::Header;
 use crate::csv::search::Search;
 use crate::error::RecordingError;
 use crate::recorded_as::{AngleUnit, CurrentUnit, Factor, Quantity, RecordedAs, TimeUnit};
@@ -273,5 +273,186 @@ impl Search<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// Longest name, in characters, that is compared with others to say what was meant.
+const LONGEST_COMPARED: usize = 64;
+const MOST_COMPARED: usize = 4096;
+
+/// The names of a file's columns.
+#[derive(Debug)]
+pub(super) struct Header {
+    /// Names as written, without quotes; empty if the file has no header line.
+    pub(super) names: Vec<String>,
+    pub(super) columns: usize,
+    /// Line of the header, or of the first row if there is none; from 1.
+    pub(super) line: usize,
+    pub(super) is_data: bool,
+}
+
+impl Header {
+    /// Takes `line` as a header unless all of its cells are numbers.
+    ///
+    /// `comment` is the text of a comment line just above it, which is the header of a file that has none of its
+    /// own if it names as many columns as there are.
+    pub(super) fn of(dialect: Dialect, line: &[u8], number: usize, comment: Option<&[u8]>) -> Self {
+        let cells: Vec<&[u8]> = dialect.cells(line).collect();
+        let is_number = |cell: &&[u8]| parse_number(cell, dialect.decimal()).is_some();
+        let is_data = cells.iter().all(|c| is_number(c) || c.is_empty());
+        let named: Option<Vec<&[u8]>> = match comment {
+            _ if !is_data => Some(cells.clone()),
+            Some(comment) => {
+                let names: Vec<&[u8]> = dialect.cells(comment).collect();
+                let fits = names.len() == cells.len() && !names.iter().any(|n| n.is_empty() || is_number(n));
+                fits.then_some(names)
+            }
+            None => None,
+        };
+        let text = |cell: &&[u8]| String::from_utf8_lossy(cell).into_owned();
+        Self {
+            names: named.iter().flatten().map(text).collect(),
+            columns: cells.len(),
+            line: number,
+            is_data,
+        }
+    }
+
+    pub(super) fn named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = usize> + 'a {
+        let same = move |n: &String| n.trim().to_lowercase() == name.trim().to_lowercase();
+        self.names.iter().enumerate().filter(move |(_, n)| same(n)).map(|(column, _)| column)
+    }
+
+    pub(super) fn name(&self, column: usize) -> String {
+        self.names.get(column).cloned().unwrap_or_else(|| format!("column {column}"))
+    }
+
+    /// The names of some columns, shortened to the first and the last.
+    pub(super) fn span(&self, columns: &[usize]) -> String {
+        match columns {
+            [] => "none".to_owned(),
+            [only] => self.name(*only),
+            [first, .., last] => format!("{} … {}", self.name(*first), self.name(*last)),
+        }
+    }
+
+    /// The name that is most like `wanted`, if any is.
+    pub(super) fn most_similar(&self, wanted: &str) -> Option<&str> {
+        let wanted = wanted.to_lowercase();
+        // Nobody mistypes a name into one that is so much longer, and likeness takes time with the square of lengths.
+        if wanted.chars().count() > LONGEST_COMPARED {
+            return None;
+        }
+        self.names
+            .iter()
+            .filter(|name| name.len() <= 4 * LONGEST_COMPARED)
+            .take(MOST_COMPARED)
+            .map(|name| (strsim::jaro_winkler(&wanted, &name.to_lowercase()), name))
+            .filter(|(similarity, _)| *similarity > 0.75)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, name)| name.as_str())
+    }
+}
+
+impl Search<'_> {
+    /// The measurement's columns and unit.
+    ///
+    /// Selected columns have the stated unit, or the one that their names tell. Otherwise motor currents and joint
+    /// torques are looked for; if there are both, the stated unit decides.
+    pub(super) fn measurement(
+        &self,
+        families: &Families,
+        joints: usize,
+        remarks: &mut Vec<String>,
+        unread: &mut Option<String>,
+    ) -> Result<(Option<Vec<usize>>, MeasurementUnit), RecordingError> {
+        let stated = self.options.unit;
+        if let Some(selection) = &self.options.columns.measurement {
+            let columns = self.columns(selection, "the measurement", families)?;
+            let Some(unit) = stated.or_else(|| self.unit_of(&columns)) else {
+                return Err(self.unit_unknown(
+                    "the names of the measurement's columns do not tell its unit".into(),
+                    "state it: unit = \"Nm\" (joint torque) or unit = \"A\" (motor current)",
+                ));
+            };
+            return Ok((Some(columns), unit));
+        }
+        let candidates: Vec<(&str, MeasurementUnit)> = [
+            (&families::CURRENT[..], MeasurementUnit::Ampere),
+            (&families::TORQUE, MeasurementUnit::NewtonMetre),
+        ]
+        .into_iter()
+        .filter_map(|(known, usual)| {
+            let (prefix, columns) = match self.by_joint(known) {
+                Some((quantity, columns)) => (quantity, Some(columns)),
+                None => {
+                    let prefix = *families.present(known).first()?;
+                    (prefix, families.columns(prefix)?.ok())
+                }
+            };
+            let unit = columns.and_then(|columns| self.unit_of(&columns)).unwrap_or(usual);
+            Some((prefix, unit))
+        })
+        .collect();
+        let fitting = candidates.iter().find(|(_, unit)| Some(*unit) == stated);
+        let (prefix, unit) = match (fitting, stated, candidates.as_slice()) {
+            (Some((prefix, unit)), ..) => {
+                for (other, _) in candidates.iter().filter(|(other, _)| other != prefix) {
+                    remarks.push(format!(
+                        "the measurement: `{prefix}` is read, not `{other}`, since unit {} was stated",
+                        unit.symbol()
+                    ));
+                }
+                (*prefix, *unit)
+            }
+            (None, Some(unit), [(prefix, _), ..]) => {
+                remarks.push(format!("`{prefix}` is taken to be in {}, as was stated", unit.symbol()));
+                (*prefix, unit)
+            }
+            (None, None, [(prefix, unit)]) => (*prefix, *unit),
+            (None, None, [(one, _), (two, _), ..]) => {
+                let reason = format!("the file has motor currents (`{one}`) and joint torques (`{two}`)");
+                if self.options.needs_measurement {
+                    return Err(
+                        self.unit_unknown(reason, "state which to read: unit = \"A\" or unit = \"Nm\"")
+                    );
+                }
+                remarks.push(format!("{reason}, and no unit was stated: neither was read"));
+                return Ok((None, MeasurementUnit::default()));
+            }
+            (None, _, []) if self.options.needs_measurement => {
+                let mut names = families::CURRENT.to_vec();
+                names.extend(families::TORQUE);
+                let what = "the measurement (motor currents or joint torques)";
+                return Err(self.missing(what, None, &names, "measurement"));
+            }
+            (None, _, []) => {
+                if let Some((columns, selection)) = self.selection_of_measurement() {
+                    *unread = Some(format!(
+                        "nothing measured was recognised; if {} are motor currents or joint torques, say so: in an experiment with \
+                         {selection}, on the command line with --unit and --columns",
+                        self.header.span(&columns)
+                    ));
+                }
+                return Ok((None, stated.unwrap_or_default()));
+            }
+        };
+        let columns = match self.by_joint(&[prefix]) {
+            Some((_, columns)) => Ok(Some(columns)),
+            None => self.family(families, prefix, "the measurement").map(Some),
+        };
+        if self.options.needs_measurement {
+            return Ok((columns?, unit));
+        }
+        Ok((self.optional("the measurement", joints, columns, remarks), unit))
+    }
+
+    /// The unit that the name of the first of some columns tells.
+    fn unit_of(&self, columns: &[usize]) -> Option<MeasurementUnit> {
+        families::unit_of(self.header.names.get(*columns.first()?)?)
+    }
+
+    fn unit_unknown(&self, reason: String, remedy: &str) -> RecordingError {
+        RecordingError::Unit { path: self.path.to_owned(), reason, remedy: remedy.to_owned() }
     }
 }

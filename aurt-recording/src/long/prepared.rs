@@ -5,8 +5,8 @@ use aurt_traits::Motion;
 use crate::error::RecordingError;
 use crate::long::recording::LongRecording;
 use crate::long::uniform::Uniform;
-use crate::preprocess::differentiate::{inner_acceleration, velocity};
 use crate::preprocess::segment::Plan;
+use crate::preprocess::span::{inner_acceleration, velocity};
 use crate::preprocess::{
     DroppedSegment, PreprocessOptions, PreprocessReport, SegmentReport, ZeroPhase, ZeroPhaseBank,
     shortest_between_gaps,

@@ -1,6 +1,6 @@
 //! The lattice on which an encoder puts its values.
 
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// Fewest changes of value from which a lattice is detected.
 const FEWEST: usize = 20;

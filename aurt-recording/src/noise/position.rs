@@ -2,7 +2,7 @@
 
 use super::lattice::lattice_step;
 use super::white::level_and_order;
-use crate::noise::median::median_step_s;
+use crate::noise::median_step_s;
 
 /// Bins of the lattice error's spectrum between 0 and half the sampling rate.
 const BINS: usize = 512;
@@ -162,7 +162,7 @@ mod tests {
     use super::super::fourier::tests::Normal;
     use super::PositionNoise;
     use crate::preprocess::ZeroPhase;
-    use crate::preprocess::differentiate::inner_acceleration;
+    use crate::preprocess::span::inner_acceleration;
 
     fn motion(seconds: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let count = (seconds * rate_hz) as usize;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::fourier;
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// Lowest bin that counts: the trend that is taken off each piece, and the window, belong to those below.
 const LOWEST_BIN: usize = 2;

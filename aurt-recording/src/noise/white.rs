@@ -1,6 +1,6 @@
 //! The white part of a series, beneath its motion.
 
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
 /// sampling rate is gone.
