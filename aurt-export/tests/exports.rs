@@ -7,7 +7,7 @@ mod models;
 mod units;
 
 use std::{
-    ffi::OsString,
+    ffi::OsStr,
     path::Path,
     process::{Command, Output},
 };
@@ -15,8 +15,10 @@ use std::{
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
-use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
+use aurt_rbd::{ChainDynamics, RobotDescription};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
+
+use roxmltree::{Document, Node};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry, two_arms};
 
@@ -53,36 +55,38 @@ fn write(export: &Export, folder: &Path) {
     }
 }
 
+const STRICT: [&str; 5] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+
+/// Compiles C strictly; nothing where there is no such compiler.
+fn compile(compiler: &str, folder: &Path, sources: &[impl AsRef<OsStr>], more: &[&str]) -> Option<Output> {
+    let mut command = Command::new(compiler);
+    command.args(STRICT).args(sources).args(more).current_dir(folder);
+    command.output().inspect_err(|_| println!("skipped: there is no C compiler `{compiler}`")).ok()
+}
+
+/// A program of C sources, `check` in their folder, with sanitizers where their libraries are installed; nothing where there
+/// is no C compiler.
+fn compiled(folder: &Path, sources: &[impl AsRef<OsStr>]) -> Option<Command> {
+    let output = ["-O1", "-o", "check", "-lm"];
+    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let mut compiled = compile("cc", folder, sources, &[&output[..], &sanitizers].concat())?;
+    if !compiled.status.success() {
+        println!("without sanitizers");
+        compiled = compile("cc", folder, sources, &output)?;
+    }
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    Some(Command::new(folder.join("check")))
+}
+
 /// Compiles and runs an export; nothing where there is no C compiler.
 fn compiled_and_run(export: &Export) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
     write(export, folder.path());
-    let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"];
-    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-    let compile = |compiler: &str, more: &[&str]| {
-        Command::new(compiler)
-            .args(strict)
-            .args(more)
-            .args(["machine.c", "main.c", "-o", "check", "-lm"])
-            .current_dir(folder.path())
-            .output()
-    };
-    match compile("clang", &[]) {
-        Ok(other) => assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr)),
-        Err(_) => println!("skipped: there is no C compiler `clang` beside `cc`"),
+    let sources = ["machine.c", "main.c"];
+    if let Some(other) = compile("clang", folder.path(), &sources, &["-O1", "-o", "check", "-lm"]) {
+        assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr));
     }
-    // The libraries of the sanitizers are not installed everywhere.
-    let mut compiled = compile("cc", &sanitizers);
-    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
-        println!("without sanitizers");
-        compiled = compile("cc", &[]);
-    }
-    let Ok(compiled) = compiled else {
-        println!("skipped: there is no C compiler `cc`");
-        return None;
-    };
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    Some(Command::new(folder.path().join("check")).output().unwrap())
+    Some(compiled(folder.path(), &sources)?.output().unwrap())
 }
 
 #[test]
@@ -140,7 +144,7 @@ fn names_of_other_people_stay_names_in_every_target() {
 }
 
 fn names_of(xml: &str, tag: &str) -> Vec<String> {
-    let document = roxmltree::Document::parse(xml).unwrap();
+    let document = Document::parse(xml).unwrap();
     let elements = document.descendants().filter(|node| node.has_tag_name(tag));
     elements.filter_map(|node| node.attribute("name").map(str::to_owned)).collect()
 }
@@ -179,8 +183,9 @@ fn the_check_of_the_c_fails_where_values_differ() {
     assert!(String::from_utf8_lossy(&run.stdout).contains("torque[2]: differs"));
 }
 
-/// A Python with MuJoCo, if the environment names one.
-fn python_with_mujoco() -> Option<OsString> {
+/// The output of a script of these tests about a MuJoCo file and its further arguments, run by the Python with MuJoCo that the
+/// environment names; none without it.
+fn in_mujoco(script: &str, file: &Path, arguments: &[impl AsRef<OsStr>]) -> Option<String> {
     let Some(python) = std::env::var_os("AURT_PYTHON") else {
         println!("skipped: AURT_PYTHON names no Python with MuJoCo");
         return None;
@@ -189,7 +194,24 @@ fn python_with_mujoco() -> Option<OsString> {
         println!("skipped: {} has no MuJoCo", python.display());
         return None;
     }
-    Some(python)
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let run = Command::new(&python).arg(script).arg(file).args(arguments).output().unwrap();
+    let text = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success(), "{text}\n{}", String::from_utf8_lossy(&run.stderr));
+    Some(text.into_owned())
+}
+
+/// The largest difference of torques of bodies and rotors in MuJoCo, relative to the largest of the joint.
+fn difference_in_mujoco(file: &Path, case: &Case, joints: &[&str]) -> Option<f64> {
+    let bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
+    let states = states(case, &mut bodies.with_rotor_inertia(&rotors(case)).unwrap());
+    let states_file = file.with_file_name("states.json");
+    std::fs::write(&states_file, serde_json::to_vec(&states).unwrap()).unwrap();
+    let arguments: Vec<_> =
+        std::iter::once(states_file.as_os_str()).chain(joints.iter().map(OsStr::new)).collect();
+    let worst = in_mujoco("mujoco_inverse.py", file, &arguments)?.trim().parse().unwrap();
+    println!("largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint");
+    Some(worst)
 }
 
 fn rotors(case: &Case) -> Vec<f64> {
@@ -215,7 +237,6 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 
 #[test]
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
-    let Some(python) = python_with_mujoco() else { return };
     let provenance = provenance();
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
@@ -227,41 +248,22 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
         let export = mjcf::export(&source(&case, &provenance)).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(&export, folder.path());
-        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard)
-            .unwrap()
-            .with_rotor_inertia(&rotors(&case))
-            .unwrap();
-        let states = states(&case, &mut bodies);
-        std::fs::write(folder.path().join("states.json"), serde_json::to_vec(&states).unwrap()).unwrap();
-        let run = Command::new(&python)
-            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_inverse.py"))
-            .arg(folder.path().join("machine.xml"))
-            .arg(folder.path().join("states.json"))
-            .output()
-            .unwrap();
-        let text = String::from_utf8_lossy(&run.stdout);
-        assert!(run.status.success(), "{name}: {text}\n{}", String::from_utf8_lossy(&run.stderr));
-        let worst: f64 = text.trim().parse().unwrap();
-        println!(
-            "{name}: largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint"
-        );
+        let Some(worst) = difference_in_mujoco(&folder.path().join("machine.xml"), &case, &[]) else {
+            return;
+        };
         assert!(worst <= 1e-9, "{name}: {worst:e}");
     }
 }
 
 #[test]
 fn friction_of_a_mujoco_file_holds_what_it_bears() {
-    let Some(python) = python_with_mujoco() else { return };
     let (case, provenance) = (case(arm(), true), provenance());
     let folder = tempfile::tempdir().unwrap();
     write(&mjcf::export(&source(&case, &provenance)).unwrap(), folder.path());
-    let run = Command::new(&python)
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_creep.py"))
-        .arg(folder.path().join("machine.xml"))
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success(), "{text}\n{}", String::from_utf8_lossy(&run.stderr));
+    let no_more: [&str; 0] = [];
+    let Some(text) = in_mujoco("mujoco_creep.py", &folder.path().join("machine.xml"), &no_more) else {
+        return;
+    };
     let fastest: Vec<f64> =
         text.lines().map(|line| line.split(' ').next_back().unwrap().parse().unwrap()).collect();
     println!("creep, rad/s, with MuJoCo's settings and with those of the file: {fastest:?}");
@@ -281,28 +283,26 @@ fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
             let (file, text) = &export.files[0];
             assert_eq!(file, wanted);
             let read = aurt_rbd::robots::parse_part(text, file, None, &Part::All).unwrap();
-            let known = case.chain.gravity_m_s2();
-            let chain = SerialChain::new(read.joints.clone(), known).unwrap();
-            let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
-            let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
-            let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
-            let (mut worst, mut size) = (0.0_f64, 0.0_f64);
-            for check in checks(&case, 32) {
-                described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
-                bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
-                for (f, w) in found.iter().zip(&wanted) {
-                    worst = worst.max((f - w).abs());
-                    size = size.max(w.abs());
-                }
-            }
-            println!("{name}, {file}: largest difference {:e} of the largest torque", worst / size);
-            assert!(worst <= 1e-12 * size, "{name}, {file}: {:e}", worst / size);
+            let worst = case.difference(&read);
+            println!("{name}, {file}: largest difference {worst:e} of the largest torque");
+            assert!(worst <= 1e-12, "{name}, {file}: {worst:e}");
             let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
             assert!(damped >= 2, "{:?}", read.friction);
             let lost = export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1"));
             assert_eq!(lost, file == "machine.urdf", "{:?}", export.lost);
         }
     }
+}
+
+fn inside<'a>(node: Node<'a, 'a>, path: &str) -> Node<'a, 'a> {
+    path.split('/').fold(node, |at, step| {
+        at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"))
+    })
+}
+
+fn named<'a>(root: Node<'a, 'a>, kind: &str, name: &str) -> Node<'a, 'a> {
+    let found = root.children().find(|n| n.has_tag_name(kind) && n.attribute("name") == Some(name));
+    found.unwrap_or_else(|| panic!("no {kind} {name}"))
 }
 
 #[test]
@@ -313,32 +313,15 @@ fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
         let source = source(&case, &provenance);
         let (sdf, urdf) = (sdf::export(&source).unwrap(), urdf::export(&source).unwrap());
         let (sdf_text, urdf_text) = (&sdf.files[0].1, &urdf.files[0].1);
-        let (ours, theirs) =
-            (roxmltree::Document::parse(sdf_text).unwrap(), roxmltree::Document::parse(urdf_text).unwrap());
-        let model = ours.root_element().children().find(|n| n.has_tag_name("model")).unwrap();
+        let (ours, theirs) = (Document::parse(sdf_text).unwrap(), Document::parse(urdf_text).unwrap());
+        let model = inside(ours.root_element(), "model");
         let robot = theirs.root_element();
-        let child = |node: roxmltree::Node<'_, '_>, path: &str| -> String {
-            let mut at = node;
-            for step in path.split('/') {
-                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
-            }
-            at.text().unwrap().to_owned()
-        };
-        let attribute = |node: roxmltree::Node<'_, '_>, path: &str, name: &str| -> String {
-            let mut at = node;
-            for step in path.split('/') {
-                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
-            }
-            at.attribute(name).unwrap().to_owned()
-        };
-        let named = |root: roxmltree::Node<'_, '_>, kind: &str, name: &str| {
-            let found = root.children().find(|n| n.has_tag_name(kind) && n.attribute("name") == Some(name));
-            found.unwrap_or_else(|| panic!("no {kind} {name}")).id()
-        };
+        let child = |node, path: &str| inside(node, path).text().unwrap().to_owned();
+        let attribute = |node, path: &str, name: &str| inside(node, path).attribute(name).unwrap().to_owned();
         for j in 0..case.model.joints() {
             let (joint, link) = (format!("joint_{j}"), format!("machine_link_{j}"));
-            let s = ours.get_node(named(model, "joint", &joint)).unwrap();
-            let u = theirs.get_node(named(robot, "joint", &joint)).unwrap();
+            let s = named(model, "joint", &joint);
+            let u = named(robot, "joint", &joint);
             let pose = format!("{} {}", attribute(u, "origin", "xyz"), attribute(u, "origin", "rpy"));
             assert_eq!(child(s, "pose"), pose, "{name}");
             assert_eq!(child(s, "parent"), attribute(u, "parent", "link"));
@@ -348,8 +331,8 @@ fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
             assert_eq!(child(s, "axis/dynamics/damping"), attribute(u, "dynamics", "damping"));
             assert_eq!(child(s, "axis/dynamics/friction"), attribute(u, "dynamics", "friction"));
             assert_eq!(s.attribute("type") == Some("prismatic"), u.attribute("type") == Some("prismatic"));
-            let s = ours.get_node(named(model, "link", &link)).unwrap();
-            let u = theirs.get_node(named(robot, "link", &link)).unwrap();
+            let s = named(model, "link", &link);
+            let u = named(robot, "link", &link);
             assert_eq!(attribute(s, "pose", "relative_to"), joint);
             assert_eq!(child(s, "inertial/mass"), attribute(u, "inertial/mass", "value"));
             let at = format!("{} 0 0 0", attribute(u, "inertial/origin", "xyz"));

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeMap,
     io::{Cursor, Read, Write},
     path::Path,
-    process::{Command, Output, Stdio},
+    process::{Output, Stdio},
 };
 
 use aurt_export::{
@@ -18,7 +18,7 @@ use super::models::{
     Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
     gantry, half_of_gravity, two_arms,
 };
-use super::{named_by_other_people, provenance, source};
+use super::{compile, compiled, named_by_other_people, provenance, source};
 
 pub fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
@@ -66,22 +66,19 @@ fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
     }
 }
 
+/// Writes the sources of a unit to a folder; the names of those to be compiled.
+fn write_sources(files: &BTreeMap<String, Vec<u8>>, folder: &Path) -> Vec<String> {
+    let sources = files.iter().filter_map(|(name, text)| Some((name.strip_prefix("sources/")?, text)));
+    let written = sources.inspect(|(name, text)| std::fs::write(folder.join(name), text).unwrap());
+    written.map(|(name, _)| name.to_owned()).filter(|name| name.ends_with(".c")).collect()
+}
+
 /// Whether the C of a unit passes a strict look; nothing where there is no C compiler.
 fn compiles_strictly(files: &BTreeMap<String, Vec<u8>>) {
     let folder = tempfile::tempdir().unwrap();
-    let mut look = Command::new("cc");
-    look.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"]);
-    for (name, contents) in files {
-        if let Some(name) = name.strip_prefix("sources/") {
-            std::fs::write(folder.path().join(name), contents).unwrap();
-            if name.ends_with(".c") {
-                look.arg(name);
-            }
-        }
-    }
-    match look.current_dir(folder.path()).output() {
-        Ok(look) => assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr)),
-        Err(error) => println!("skipped: there is no C compiler `cc` ({error})"),
+    let sources = write_sources(files, folder.path());
+    if let Some(look) = compile("cc", folder.path(), &sources, &["-fsyntax-only"]) {
+        assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr));
     }
 }
 
@@ -143,35 +140,11 @@ fn what_cannot_be_a_unit_is_refused_by_name() {
 /// compiler.
 fn driven(fmu: &Fmu, arguments: &[String], lines: &str) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
-    for (name, contents) in files(fmu) {
-        if let Some(name) = name.strip_prefix("sources/") {
-            std::fs::write(folder.path().join(name), contents).unwrap();
-        }
-    }
+    let mut sources = write_sources(&files(fmu), folder.path());
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/units/drive.c");
     std::fs::copy(drive, folder.path().join("drive.c")).unwrap();
-    let sources = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name());
-    let sources: Vec<_> = sources.filter(|f| f.to_string_lossy().ends_with(".c")).collect();
-    let compile = |more: &[&str]| {
-        Command::new("cc")
-            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"])
-            .args(more)
-            .args(&sources)
-            .args(["-o", "drive", "-lm"])
-            .current_dir(folder.path())
-            .output()
-    };
-    let mut compiled = compile(&["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
-    // The libraries of the sanitizers are not installed everywhere.
-    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
-        compiled = compile(&[]);
-    }
-    let Ok(compiled) = compiled else {
-        println!("skipped: there is no C compiler `cc`");
-        return None;
-    };
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    let mut run = Command::new(folder.path().join("drive"))
+    sources.push("drive.c".into());
+    let mut run = compiled(folder.path(), &sources)?
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -197,6 +170,18 @@ fn largest(a: impl Iterator<Item = f64>) -> f64 {
     a.fold(0.0, |m, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
 }
 
+/// The largest difference of torques, relative to the largest.
+fn apart(found: &[Vec<f64>], stored: &[Check]) -> f64 {
+    assert_eq!(found.len(), stored.len());
+    let pairs = found.iter().zip(stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
+    let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
+    largest(pairs.map(|(f, s)| f - s)) / size
+}
+
+fn states(stored: &[Check]) -> String {
+    stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect()
+}
+
 #[test]
 fn an_inverse_unit_gives_the_torques_of_the_model() {
     let provenance = provenance();
@@ -205,13 +190,8 @@ fn an_inverse_unit_gives_the_torques_of_the_model() {
     {
         let stored = checks_along_a_path(&case, 300);
         let fmu = export(&source(&case, &provenance), Kind::Inverse).unwrap();
-        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
-        let Some(run) = driven(&fmu, &["0.01".into()], &lines) else { return };
-        let found = rows(&run);
-        assert_eq!(found.len(), stored.len());
-        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
-        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
-        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        let Some(run) = driven(&fmu, &["0.01".into()], &states(&stored)) else { return };
+        let worst = apart(&rows(&run), &stored);
         println!("{name}: largest difference of the torque {worst:e}, relative to the largest");
         assert!(worst <= 1e-12, "{name}: {worst:e}");
     }
@@ -251,13 +231,9 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
         ("a load", &empty, of_load(&empty), case_with_load(arm(), loaded)),
     ] {
         let stored = checks_along_a_path(&other, 60);
-        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
         let arguments: Vec<String> = std::iter::once("0.01".to_owned()).chain(arguments).collect();
-        let Some(run) = driven(unit, &arguments, &lines) else { return };
-        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
-        let found = rows(&run);
-        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
-        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        let Some(run) = driven(unit, &arguments, &states(&stored)) else { return };
+        let worst = apart(&rows(&run), &stored);
         assert!(worst <= 1e-12, "{what}: {worst:e}");
     }
 }
