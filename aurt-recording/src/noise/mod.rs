@@ -11,6 +11,8 @@ mod response;
 mod spectrum;
 mod white;
 
+#[cfg(test)]
+pub(crate) use fourier::tests::Normal;
 pub use interpolation::{Interpolation, Interpolator};
 pub use lattice::lattice_step;
 pub use markov::WhiteAndMarkov;

@@ -159,8 +159,8 @@ impl SawTooth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::PositionNoise;
+    use crate::noise::Normal;
     use crate::preprocess::ZeroPhase;
     use crate::preprocess::span::inner_acceleration;
 

@@ -194,8 +194,8 @@ fn median_share(count: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::MedianSpectrum;
+    use crate::noise::Normal;
 
     #[test]
     fn the_level_of_white_noise_is_seen_beneath_a_line_and_bursts() {

@@ -148,8 +148,8 @@ fn median_share(order: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::{white_level, white_level_at};
+    use crate::noise::Normal;
 
     #[test]
     fn noise_is_measured_beneath_a_motion() {
