@@ -8,7 +8,7 @@ use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
 use crate::format::Reading;
 use crate::memory::Memory;
-use crate::read_options::{ColumnRef, ColumnSelection};
+use crate::recorded_as::{ColumnRef, ColumnSelection};
 use crate::recording::Recording;
 
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -11,12 +11,11 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::RecordingError;
-use crate::format::{Reading, RecordingInput, unreadable};
-use crate::formats::refuse_foreign;
+use crate::format::{Reading, RecordingInput, refuse_foreign, unreadable};
 use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, PARQUET};
 use crate::read_options::ReadOptions;
-use crate::read_options::{ColumnRef, ColumnsRef};
+use crate::recorded_as::{ColumnRef, ColumnsRef};
 use crate::recording::{RecordedJoints, Recording};
 use crate::robot_joints::places;
 

@@ -100,9 +100,11 @@ pub use preprocess::{
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
 pub use read_options::ReadOptions;
-pub use read_options::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use reading::{read_recording, read_running};
-pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recorded_as::{
+    AngleUnit, ColumnRef, ColumnSelection, ColumnsRef, CurrentUnit, DroppedRows, JoinedFile, Quantity,
+    RecordedAs, TimeUnit,
+};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use sampling::{StampUnit, suitable_f_dyn_hz};

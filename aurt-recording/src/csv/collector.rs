@@ -1,8 +1,8 @@
 use std::path::Path;
 
 use crate::branches::BranchTrack;
-use crate::csv::columns::Header;
 use crate::csv::columns::Selected;
+use crate::csv::header::Header;
 use crate::csv::plausibility::{self, Finding, Turns};
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;

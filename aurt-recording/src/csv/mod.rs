@@ -5,6 +5,7 @@ mod collector;
 mod columns;
 mod dialect;
 pub(crate) mod families;
+mod header;
 mod lines;
 mod plausibility;
 mod rows;
@@ -15,8 +16,8 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::csv::collector::Collector;
-use crate::csv::columns::Header;
 use crate::csv::dialect::Dialect;
+use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::csv::search::Search;

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::csv::columns::Header;
 use crate::csv::families::{self, Families};
+use crate::csv::header::Header;
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
-use crate::read_options::{ColumnRef, ColumnsRef};
+use crate::recorded_as::{ColumnRef, ColumnsRef};
 
 pub(super) struct Search<'a> {
     pub(super) path: &'a Path,

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::csv::collector::Collector;
-use crate::csv::columns::Header;
 use crate::csv::columns::Selected;
+use crate::csv::header::Header;
 use crate::csv::search::Search;
 use crate::error::RecordingError;
 use crate::format::Reading;
