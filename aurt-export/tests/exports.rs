@@ -10,6 +10,7 @@ use std::{
     ffi::OsStr,
     path::Path,
     process::{Command, Output},
+    sync::LazyLock,
 };
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
@@ -22,18 +23,16 @@ use roxmltree::{Document, Node};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry, two_arms};
 
-fn provenance() -> Provenance {
-    Provenance {
-        file: "rd_\"calibrated\".json".into(),
-        schema: 1,
-        blake3: "0123".into(),
-        aurt_version: Some("0.1.0".into()),
-        // What would end comments and elements, if it were written as it is.
-        recordings: ["monday/*.csv", "a -- b??/", "a & b <c>.csv"].map(str::to_owned).to_vec(),
-    }
-}
+static PROVENANCE: LazyLock<Provenance> = LazyLock::new(|| Provenance {
+    file: "rd_\"calibrated\".json".into(),
+    schema: 1,
+    blake3: "0123".into(),
+    aurt_version: Some("0.1.0".into()),
+    // What would end comments and elements, if it were written as it is.
+    recordings: ["monday/*.csv", "a -- b??/", "a & b <c>.csv"].map(str::to_owned).to_vec(),
+});
 
-fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
+fn source(case: &Case) -> Source<'_> {
     Source {
         name: "machine",
         model: &case.model,
@@ -41,7 +40,7 @@ fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
         load: &case.load,
         unit: MeasurementUnit::NewtonMetre,
         standard: Some(&case.standard),
-        provenance,
+        provenance: &PROVENANCE,
     }
 }
 
@@ -91,12 +90,11 @@ fn compiled_and_run(export: &Export) -> Option<Output> {
 
 #[test]
 fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
-    let provenance = provenance();
     for (case, name) in
         [(case(arm(), true), "arm"), (case(gantry(), false), "gantry"), (case(two_arms(), true), "two arms")]
     {
         let stored = checks(&case, 32);
-        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let export = c::export(&source(&case), &stored).unwrap();
         println!("{name}: {:#?}", export.notes);
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
@@ -116,8 +114,8 @@ fn named_by_other_people() -> Case {
 
 #[test]
 fn names_of_other_people_stay_names_in_every_target() {
-    let (case, provenance) = (named_by_other_people(), provenance());
-    let source = source(&case, &provenance);
+    let case = named_by_other_people();
+    let source = source(&case);
     let export = c::export(&source, &checks(&case, 2)).unwrap();
     if let Some(run) = compiled_and_run(&export) {
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stdout));
@@ -151,11 +149,10 @@ fn names_of(xml: &str, tag: &str) -> Vec<String> {
 
 #[test]
 fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
         let case = case_with_memory(chain);
         let stored = checks_along_a_path(&case, 400);
-        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let export = c::export(&source(&case), &stored).unwrap();
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{name}: {text}");
@@ -166,7 +163,7 @@ fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
         // The order of the samples matters: the same states in another order have another torque.
         let mut turned = stored;
         turned.swap(120, 121);
-        let export = c::export(&source(&case, &provenance), &turned).unwrap();
+        let export = c::export(&source(&case), &turned).unwrap();
         let Some(run) = compiled_and_run(&export) else { return };
         assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     }
@@ -174,10 +171,10 @@ fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
 
 #[test]
 fn the_check_of_the_c_fails_where_values_differ() {
-    let (case, provenance) = (case(gantry(), true), provenance());
+    let case = case(gantry(), true);
     let mut stored = checks(&case, 8);
     stored[3].torque_nm[2] *= 1.0 + 1e-9;
-    let export = c::export(&source(&case, &provenance), &stored).unwrap();
+    let export = c::export(&source(&case), &stored).unwrap();
     let Some(run) = compiled_and_run(&export) else { return };
     assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     assert!(String::from_utf8_lossy(&run.stdout).contains("torque[2]: differs"));
@@ -237,7 +234,6 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 
 #[test]
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
-    let provenance = provenance();
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
         KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
@@ -245,7 +241,7 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
         [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")].into_iter().chain(known)
     {
         let case = case(chain, true);
-        let export = mjcf::export(&source(&case, &provenance)).unwrap();
+        let export = mjcf::export(&source(&case)).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(&export, folder.path());
         let Some(worst) = difference_in_mujoco(&folder.path().join("machine.xml"), &case, &[]) else {
@@ -257,9 +253,9 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
 
 #[test]
 fn friction_of_a_mujoco_file_holds_what_it_bears() {
-    let (case, provenance) = (case(arm(), true), provenance());
+    let case = case(arm(), true);
     let folder = tempfile::tempdir().unwrap();
-    write(&mjcf::export(&source(&case, &provenance)).unwrap(), folder.path());
+    write(&mjcf::export(&source(&case)).unwrap(), folder.path());
     let no_more: [&str; 0] = [];
     let Some(text) = in_mujoco("mujoco_creep.py", &folder.path().join("machine.xml"), &no_more) else {
         return;
@@ -272,10 +268,9 @@ fn friction_of_a_mujoco_file_holds_what_it_bears() {
 
 #[test]
 fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
-        let source = source(&case, &provenance);
+        let source = source(&case);
         for (export, wanted) in [
             (urdf::export(&source).unwrap(), "machine.urdf"),
             (mjcf::export(&source).unwrap(), "machine.xml"),
@@ -307,10 +302,9 @@ fn named<'a>(root: Node<'a, 'a>, kind: &str, name: &str) -> Node<'a, 'a> {
 
 #[test]
 fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
-        let source = source(&case, &provenance);
+        let source = source(&case);
         let (sdf, urdf) = (sdf::export(&source).unwrap(), urdf::export(&source).unwrap());
         let (sdf_text, urdf_text) = (&sdf.files[0].1, &urdf.files[0].1);
         let (ours, theirs) = (Document::parse(sdf_text).unwrap(), Document::parse(urdf_text).unwrap());
@@ -350,8 +344,8 @@ fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
 
 #[test]
 fn files_state_their_model_and_what_is_lost() {
-    let (case, provenance) = (case(arm(), true), provenance());
-    let source = source(&case, &provenance);
+    let case = case(arm(), true);
+    let source = source(&case);
     let c = c::export(&source, &checks(&case, 2)).unwrap();
     let mjcf = mjcf::export(&source).unwrap();
     let urdf = urdf::export(&source).unwrap();
@@ -373,8 +367,8 @@ fn files_state_their_model_and_what_is_lost() {
 
 #[test]
 fn what_cannot_be_exported_is_refused_by_name() {
-    let (case, provenance) = (case(gantry(), true), provenance());
-    let good = source(&case, &provenance);
+    let case = case(gantry(), true);
+    let good = source(&case);
     let refusal = |source: &Source<'_>| c::export(source, &[]).unwrap_err().to_string();
     assert!(refusal(&Source { unit: MeasurementUnit::Ampere, ..good }).contains("torque_constants_nm_per_a"));
     assert!(refusal(&Source { name: "my robot", ..good }).contains("`my robot` is no identifier"));

@@ -14,7 +14,7 @@ use roxmltree::Document;
 
 use super::{
     models::{Case, case},
-    provenance, source,
+    source,
 };
 
 const OWN: &str = include_str!("own.xml");
@@ -41,9 +41,8 @@ fn original(text: &str, format: Format) -> Original<'_> {
 }
 
 fn corrected(text: &str, case: &Case) -> Result<Corrected, ExportError> {
-    let provenance = provenance();
     let original = original(text, Format::Mjcf);
-    correct(&source(case, &provenance), &original)
+    correct(&source(case), &original)
 }
 
 fn around_heading<'a>(text: &'a str, begin: &str) -> [&'a str; 2] {
@@ -212,8 +211,8 @@ fn difference_in_mujoco(text: &str, case: &Case) -> Option<f64> {
 
 #[test]
 fn a_model_without_bodies_corrects_nothing() {
-    let (case, provenance) = (case_of(OWN), provenance());
+    let case = case_of(OWN);
     let original = original(OWN, Format::Mjcf);
-    let bare = Source { standard: None, ..source(&case, &provenance) };
+    let bare = Source { standard: None, ..source(&case) };
     assert!(matches!(correct(&bare, &original).unwrap_err(), ExportError::NoBodies));
 }

@@ -3,15 +3,14 @@
 use aurt_export::into::{Corrected, Format, correct};
 
 use super::{
-    super::{models::Case, provenance, source},
+    super::{models::Case, source},
     around_heading, case_of, original, read,
 };
 
 const OWN: &str = include_str!("own.urdf");
 
 fn corrected(text: &str, case: &Case) -> Corrected {
-    let provenance = provenance();
-    correct(&source(case, &provenance), &original(text, Format::Urdf)).unwrap()
+    correct(&source(case), &original(text, Format::Urdf)).unwrap()
 }
 
 fn difference(text: &str, case: &Case) -> f64 {
@@ -72,10 +71,9 @@ fn a_corrected_urdf_file_needs_the_torques_of_the_model_and_is_else_the_same() {
 
 #[test]
 fn files_that_are_no_urdf_or_follow_other_joints_are_refused() {
-    let (case, provenance) = (case_of(OWN), provenance());
-    let refusal = |text: &str| {
-        correct(&source(&case, &provenance), &original(text, Format::Urdf)).unwrap_err().to_string()
-    };
+    let case = case_of(OWN);
+    let refusal =
+        |text: &str| correct(&source(&case), &original(text, Format::Urdf)).unwrap_err().to_string();
     assert!(refusal("<mujoco/>").contains("<mujoco>, and <robot> of URDF is wanted"));
     let coupled = OWN.replace("<safety_controller k_velocity=\"1\"/>", "<mimic joint=\"pan\"/>");
     assert!(refusal(&coupled).contains("follow others (mimic)"), "{}", refusal(&coupled));
