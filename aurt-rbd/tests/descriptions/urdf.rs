@@ -376,7 +376,8 @@ fn files_of_many_links_are_read_at_once() {
     let many = |kind: &str, parent: fn(usize) -> String, more: fn(usize) -> String| {
         with_many((0..MANY).map(|k| [kind.to_owned(), parent(k), format!("l{k}"), more(k)]))
     };
-    let (on_b, none): (fn(usize) -> String, fn(usize) -> String) = (|_| "b".to_owned(), |_| String::new());
+    let on_b = |_: usize| "b".to_owned();
+    let none = |_: usize| String::new();
     fn above(k: usize) -> String {
         if k == 0 { "b".to_owned() } else { format!("l{}", k - 1) }
     }

@@ -109,11 +109,11 @@ fn missing_columns_name_what_there_is_and_what_was_meant() {
         ..ReadOptions::default()
     };
     let named = select(ColumnRef::Name("sholder".into()));
-    let message = read_bytes(&text, &named).unwrap_err().to_string();
+    let message = read_bytes(text, &named).unwrap_err().to_string();
     assert!(message.contains("did you mean `shoulder`"), "{message}");
-    let beyond = read_bytes(&text, &select(ColumnRef::Index(7))).unwrap_err();
+    let beyond = read_bytes(text, &select(ColumnRef::Index(7))).unwrap_err();
     assert!(matches!(beyond, RecordingError::ColumnIndex { index: 7, columns: 3, .. }), "{beyond}");
-    let twice = read_bytes(&text, &select(ColumnRef::Index(2))).unwrap_err();
+    let twice = read_bytes(text, &select(ColumnRef::Index(2))).unwrap_err();
     assert!(twice.to_string().contains("two quantities"), "{twice}");
 }
 
@@ -169,7 +169,7 @@ fn ragged_and_broken_off_lines() {
 
     let whole = made(50, |_, _| {});
     let whole = whole.trim_end();
-    assert!(read(&whole).is_ok());
+    assert!(read(whole).is_ok());
     // Wherever in its last line the file breaks off, it is noticed: in the last number by its missing decimals.
     let last_line = whole.rfind('\n').unwrap() + 1;
     for end in last_line + 1..whole.len() {
