@@ -7,31 +7,32 @@ mod models;
 mod units;
 
 use std::{
-    ffi::OsString,
+    ffi::OsStr,
     path::Path,
     process::{Command, Output},
+    sync::LazyLock,
 };
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
-use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
+use aurt_rbd::{ChainDynamics, RobotDescription};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
+
+use roxmltree::{Document, Node};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry, two_arms};
 
-fn provenance() -> Provenance {
-    Provenance {
-        file: "rd_\"calibrated\".json".into(),
-        schema: 1,
-        blake3: "0123".into(),
-        aurt_version: Some("0.1.0".into()),
-        // What would end comments and elements, if it were written as it is.
-        recordings: ["monday/*.csv", "a -- b??/", "a & b <c>.csv"].map(str::to_owned).to_vec(),
-    }
-}
+static PROVENANCE: LazyLock<Provenance> = LazyLock::new(|| Provenance {
+    file: "rd_\"calibrated\".json".into(),
+    schema: 1,
+    blake3: "0123".into(),
+    aurt_version: Some("0.1.0".into()),
+    // What would end comments and elements, if it were written as it is.
+    recordings: ["monday/*.csv", "a -- b??/", "a & b <c>.csv"].map(str::to_owned).to_vec(),
+});
 
-fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
+fn source(case: &Case) -> Source<'_> {
     Source {
         name: "machine",
         model: &case.model,
@@ -39,7 +40,7 @@ fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
         load: &case.load,
         unit: MeasurementUnit::NewtonMetre,
         standard: Some(&case.standard),
-        provenance,
+        provenance: &PROVENANCE,
     }
 }
 
@@ -53,46 +54,47 @@ fn write(export: &Export, folder: &Path) {
     }
 }
 
+const STRICT: [&str; 5] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+
+/// Compiles C strictly; nothing where there is no such compiler.
+fn compile(compiler: &str, folder: &Path, sources: &[impl AsRef<OsStr>], more: &[&str]) -> Option<Output> {
+    let mut command = Command::new(compiler);
+    command.args(STRICT).args(sources).args(more).current_dir(folder);
+    command.output().inspect_err(|_| println!("skipped: there is no C compiler `{compiler}`")).ok()
+}
+
+/// A program of C sources, `check` in their folder, with sanitizers where their libraries are installed; nothing where there
+/// is no C compiler.
+fn compiled(folder: &Path, sources: &[impl AsRef<OsStr>]) -> Option<Command> {
+    let output = ["-O1", "-o", "check", "-lm"];
+    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let mut compiled = compile("cc", folder, sources, &[&output[..], &sanitizers].concat())?;
+    if !compiled.status.success() {
+        println!("without sanitizers");
+        compiled = compile("cc", folder, sources, &output)?;
+    }
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    Some(Command::new(folder.join("check")))
+}
+
 /// Compiles and runs an export; nothing where there is no C compiler.
 fn compiled_and_run(export: &Export) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
     write(export, folder.path());
-    let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"];
-    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
-    let compile = |compiler: &str, more: &[&str]| {
-        Command::new(compiler)
-            .args(strict)
-            .args(more)
-            .args(["machine.c", "main.c", "-o", "check", "-lm"])
-            .current_dir(folder.path())
-            .output()
-    };
-    match compile("clang", &[]) {
-        Ok(other) => assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr)),
-        Err(_) => println!("skipped: there is no C compiler `clang` beside `cc`"),
+    let sources = ["machine.c", "main.c"];
+    if let Some(other) = compile("clang", folder.path(), &sources, &["-O1", "-o", "check", "-lm"]) {
+        assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr));
     }
-    // The libraries of the sanitizers are not installed everywhere.
-    let mut compiled = compile("cc", &sanitizers);
-    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
-        println!("without sanitizers");
-        compiled = compile("cc", &[]);
-    }
-    let Ok(compiled) = compiled else {
-        println!("skipped: there is no C compiler `cc`");
-        return None;
-    };
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    Some(Command::new(folder.path().join("check")).output().unwrap())
+    Some(compiled(folder.path(), &sources)?.output().unwrap())
 }
 
 #[test]
 fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
-    let provenance = provenance();
     for (case, name) in
         [(case(arm(), true), "arm"), (case(gantry(), false), "gantry"), (case(two_arms(), true), "two arms")]
     {
         let stored = checks(&case, 32);
-        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let export = c::export(&source(&case), &stored).unwrap();
         println!("{name}: {:#?}", export.notes);
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
@@ -112,8 +114,8 @@ fn named_by_other_people() -> Case {
 
 #[test]
 fn names_of_other_people_stay_names_in_every_target() {
-    let (case, provenance) = (named_by_other_people(), provenance());
-    let source = source(&case, &provenance);
+    let case = named_by_other_people();
+    let source = source(&case);
     let export = c::export(&source, &checks(&case, 2)).unwrap();
     if let Some(run) = compiled_and_run(&export) {
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stdout));
@@ -140,18 +142,17 @@ fn names_of_other_people_stay_names_in_every_target() {
 }
 
 fn names_of(xml: &str, tag: &str) -> Vec<String> {
-    let document = roxmltree::Document::parse(xml).unwrap();
+    let document = Document::parse(xml).unwrap();
     let elements = document.descendants().filter(|node| node.has_tag_name(tag));
     elements.filter_map(|node| node.attribute("name").map(str::to_owned)).collect()
 }
 
 #[test]
 fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
         let case = case_with_memory(chain);
         let stored = checks_along_a_path(&case, 400);
-        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let export = c::export(&source(&case), &stored).unwrap();
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{name}: {text}");
@@ -162,7 +163,7 @@ fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
         // The order of the samples matters: the same states in another order have another torque.
         let mut turned = stored;
         turned.swap(120, 121);
-        let export = c::export(&source(&case, &provenance), &turned).unwrap();
+        let export = c::export(&source(&case), &turned).unwrap();
         let Some(run) = compiled_and_run(&export) else { return };
         assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     }
@@ -170,17 +171,18 @@ fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
 
 #[test]
 fn the_check_of_the_c_fails_where_values_differ() {
-    let (case, provenance) = (case(gantry(), true), provenance());
+    let case = case(gantry(), true);
     let mut stored = checks(&case, 8);
     stored[3].torque_nm[2] *= 1.0 + 1e-9;
-    let export = c::export(&source(&case, &provenance), &stored).unwrap();
+    let export = c::export(&source(&case), &stored).unwrap();
     let Some(run) = compiled_and_run(&export) else { return };
     assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     assert!(String::from_utf8_lossy(&run.stdout).contains("torque[2]: differs"));
 }
 
-/// A Python with MuJoCo, if the environment names one.
-fn python_with_mujoco() -> Option<OsString> {
+/// The output of a script of these tests about a MuJoCo file and its further arguments, run by the Python with MuJoCo that the
+/// environment names; none without it.
+fn in_mujoco(script: &str, file: &Path, arguments: &[impl AsRef<OsStr>]) -> Option<String> {
     let Some(python) = std::env::var_os("AURT_PYTHON") else {
         println!("skipped: AURT_PYTHON names no Python with MuJoCo");
         return None;
@@ -189,7 +191,24 @@ fn python_with_mujoco() -> Option<OsString> {
         println!("skipped: {} has no MuJoCo", python.display());
         return None;
     }
-    Some(python)
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let run = Command::new(&python).arg(script).arg(file).args(arguments).output().unwrap();
+    let text = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success(), "{text}\n{}", String::from_utf8_lossy(&run.stderr));
+    Some(text.into_owned())
+}
+
+/// The largest difference of torques of bodies and rotors in MuJoCo, relative to the largest of the joint.
+fn difference_in_mujoco(file: &Path, case: &Case, joints: &[&str]) -> Option<f64> {
+    let bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
+    let states = states(case, &mut bodies.with_rotor_inertia(&rotors(case)).unwrap());
+    let states_file = file.with_file_name("states.json");
+    std::fs::write(&states_file, serde_json::to_vec(&states).unwrap()).unwrap();
+    let arguments: Vec<_> =
+        std::iter::once(states_file.as_os_str()).chain(joints.iter().map(OsStr::new)).collect();
+    let worst = in_mujoco("mujoco_inverse.py", file, &arguments)?.trim().parse().unwrap();
+    println!("largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint");
+    Some(worst)
 }
 
 fn rotors(case: &Case) -> Vec<f64> {
@@ -215,8 +234,6 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 
 #[test]
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
-    let Some(python) = python_with_mujoco() else { return };
-    let provenance = provenance();
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
         KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
@@ -224,44 +241,25 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
         [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")].into_iter().chain(known)
     {
         let case = case(chain, true);
-        let export = mjcf::export(&source(&case, &provenance)).unwrap();
+        let export = mjcf::export(&source(&case)).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(&export, folder.path());
-        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard)
-            .unwrap()
-            .with_rotor_inertia(&rotors(&case))
-            .unwrap();
-        let states = states(&case, &mut bodies);
-        std::fs::write(folder.path().join("states.json"), serde_json::to_vec(&states).unwrap()).unwrap();
-        let run = Command::new(&python)
-            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_inverse.py"))
-            .arg(folder.path().join("machine.xml"))
-            .arg(folder.path().join("states.json"))
-            .output()
-            .unwrap();
-        let text = String::from_utf8_lossy(&run.stdout);
-        assert!(run.status.success(), "{name}: {text}\n{}", String::from_utf8_lossy(&run.stderr));
-        let worst: f64 = text.trim().parse().unwrap();
-        println!(
-            "{name}: largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint"
-        );
+        let Some(worst) = difference_in_mujoco(&folder.path().join("machine.xml"), &case, &[]) else {
+            return;
+        };
         assert!(worst <= 1e-9, "{name}: {worst:e}");
     }
 }
 
 #[test]
 fn friction_of_a_mujoco_file_holds_what_it_bears() {
-    let Some(python) = python_with_mujoco() else { return };
-    let (case, provenance) = (case(arm(), true), provenance());
+    let case = case(arm(), true);
     let folder = tempfile::tempdir().unwrap();
-    write(&mjcf::export(&source(&case, &provenance)).unwrap(), folder.path());
-    let run = Command::new(&python)
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_creep.py"))
-        .arg(folder.path().join("machine.xml"))
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success(), "{text}\n{}", String::from_utf8_lossy(&run.stderr));
+    write(&mjcf::export(&source(&case)).unwrap(), folder.path());
+    let no_more: [&str; 0] = [];
+    let Some(text) = in_mujoco("mujoco_creep.py", &folder.path().join("machine.xml"), &no_more) else {
+        return;
+    };
     let fastest: Vec<f64> =
         text.lines().map(|line| line.split(' ').next_back().unwrap().parse().unwrap()).collect();
     println!("creep, rad/s, with MuJoCo's settings and with those of the file: {fastest:?}");
@@ -270,10 +268,9 @@ fn friction_of_a_mujoco_file_holds_what_it_bears() {
 
 #[test]
 fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
-        let source = source(&case, &provenance);
+        let source = source(&case);
         for (export, wanted) in [
             (urdf::export(&source).unwrap(), "machine.urdf"),
             (mjcf::export(&source).unwrap(), "machine.xml"),
@@ -281,22 +278,9 @@ fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
             let (file, text) = &export.files[0];
             assert_eq!(file, wanted);
             let read = aurt_rbd::robots::parse_part(text, file, None, &Part::All).unwrap();
-            let known = case.chain.gravity_m_s2();
-            let chain = SerialChain::new(read.joints.clone(), known).unwrap();
-            let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
-            let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
-            let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
-            let (mut worst, mut size) = (0.0_f64, 0.0_f64);
-            for check in checks(&case, 32) {
-                described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
-                bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
-                for (f, w) in found.iter().zip(&wanted) {
-                    worst = worst.max((f - w).abs());
-                    size = size.max(w.abs());
-                }
-            }
-            println!("{name}, {file}: largest difference {:e} of the largest torque", worst / size);
-            assert!(worst <= 1e-12 * size, "{name}, {file}: {:e}", worst / size);
+            let worst = case.difference(&read);
+            println!("{name}, {file}: largest difference {worst:e} of the largest torque");
+            assert!(worst <= 1e-12, "{name}, {file}: {worst:e}");
             let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
             assert!(damped >= 2, "{:?}", read.friction);
             let lost = export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1"));
@@ -305,40 +289,33 @@ fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
     }
 }
 
+fn inside<'a>(node: Node<'a, 'a>, path: &str) -> Node<'a, 'a> {
+    path.split('/').fold(node, |at, step| {
+        at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"))
+    })
+}
+
+fn named<'a>(root: Node<'a, 'a>, kind: &str, name: &str) -> Node<'a, 'a> {
+    let found = root.children().find(|n| n.has_tag_name(kind) && n.attribute("name") == Some(name));
+    found.unwrap_or_else(|| panic!("no {kind} {name}"))
+}
+
 #[test]
 fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
-    let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
-        let source = source(&case, &provenance);
+        let source = source(&case);
         let (sdf, urdf) = (sdf::export(&source).unwrap(), urdf::export(&source).unwrap());
         let (sdf_text, urdf_text) = (&sdf.files[0].1, &urdf.files[0].1);
-        let (ours, theirs) =
-            (roxmltree::Document::parse(sdf_text).unwrap(), roxmltree::Document::parse(urdf_text).unwrap());
-        let model = ours.root_element().children().find(|n| n.has_tag_name("model")).unwrap();
+        let (ours, theirs) = (Document::parse(sdf_text).unwrap(), Document::parse(urdf_text).unwrap());
+        let model = inside(ours.root_element(), "model");
         let robot = theirs.root_element();
-        let child = |node: roxmltree::Node<'_, '_>, path: &str| -> String {
-            let mut at = node;
-            for step in path.split('/') {
-                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
-            }
-            at.text().unwrap().to_owned()
-        };
-        let attribute = |node: roxmltree::Node<'_, '_>, path: &str, name: &str| -> String {
-            let mut at = node;
-            for step in path.split('/') {
-                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
-            }
-            at.attribute(name).unwrap().to_owned()
-        };
-        let named = |root: roxmltree::Node<'_, '_>, kind: &str, name: &str| {
-            let found = root.children().find(|n| n.has_tag_name(kind) && n.attribute("name") == Some(name));
-            found.unwrap_or_else(|| panic!("no {kind} {name}")).id()
-        };
+        let child = |node, path: &str| inside(node, path).text().unwrap().to_owned();
+        let attribute = |node, path: &str, name: &str| inside(node, path).attribute(name).unwrap().to_owned();
         for j in 0..case.model.joints() {
             let (joint, link) = (format!("joint_{j}"), format!("machine_link_{j}"));
-            let s = ours.get_node(named(model, "joint", &joint)).unwrap();
-            let u = theirs.get_node(named(robot, "joint", &joint)).unwrap();
+            let s = named(model, "joint", &joint);
+            let u = named(robot, "joint", &joint);
             let pose = format!("{} {}", attribute(u, "origin", "xyz"), attribute(u, "origin", "rpy"));
             assert_eq!(child(s, "pose"), pose, "{name}");
             assert_eq!(child(s, "parent"), attribute(u, "parent", "link"));
@@ -348,8 +325,8 @@ fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
             assert_eq!(child(s, "axis/dynamics/damping"), attribute(u, "dynamics", "damping"));
             assert_eq!(child(s, "axis/dynamics/friction"), attribute(u, "dynamics", "friction"));
             assert_eq!(s.attribute("type") == Some("prismatic"), u.attribute("type") == Some("prismatic"));
-            let s = ours.get_node(named(model, "link", &link)).unwrap();
-            let u = theirs.get_node(named(robot, "link", &link)).unwrap();
+            let s = named(model, "link", &link);
+            let u = named(robot, "link", &link);
             assert_eq!(attribute(s, "pose", "relative_to"), joint);
             assert_eq!(child(s, "inertial/mass"), attribute(u, "inertial/mass", "value"));
             let at = format!("{} 0 0 0", attribute(u, "inertial/origin", "xyz"));
@@ -367,8 +344,8 @@ fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
 
 #[test]
 fn files_state_their_model_and_what_is_lost() {
-    let (case, provenance) = (case(arm(), true), provenance());
-    let source = source(&case, &provenance);
+    let case = case(arm(), true);
+    let source = source(&case);
     let c = c::export(&source, &checks(&case, 2)).unwrap();
     let mjcf = mjcf::export(&source).unwrap();
     let urdf = urdf::export(&source).unwrap();
@@ -390,8 +367,8 @@ fn files_state_their_model_and_what_is_lost() {
 
 #[test]
 fn what_cannot_be_exported_is_refused_by_name() {
-    let (case, provenance) = (case(gantry(), true), provenance());
-    let good = source(&case, &provenance);
+    let case = case(gantry(), true);
+    let good = source(&case);
     let refusal = |source: &Source<'_>| c::export(source, &[]).unwrap_err().to_string();
     assert!(refusal(&Source { unit: MeasurementUnit::Ampere, ..good }).contains("torque_constants_nm_per_a"));
     assert!(refusal(&Source { name: "my robot", ..good }).contains("`my robot` is no identifier"));

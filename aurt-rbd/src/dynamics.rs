@@ -144,7 +144,7 @@ pub(crate) fn link_place(frame: &JointFrame, joint: &Joint, q: f64) -> (Matrix3<
             (rotation, origin)
         }
         JointKind::Prismatic => {
-            let rotation = Matrix3::from_fn(|row, column| r[row][column]);
+            let rotation = Matrix3::from(*r).transpose();
             (rotation, origin + rotation.column(2) * (joint.sign * q))
         }
     }

@@ -34,15 +34,12 @@ impl SerialChain {
             let (link_rotation, link_origin) = link_place(frame, joint, *q);
             let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
             if let Some(parent) = self.parent(i).map(|parent| &frames[parent]) {
-                rotation = Matrix3::from_fn(|r, c| parent.rotation[r][c]);
+                rotation = Matrix3::from(parent.rotation).transpose();
                 origin = parent.origin_m.into();
             }
             origin += rotation * link_origin;
             rotation *= link_rotation;
-            frames.push(LinkFrame {
-                rotation: std::array::from_fn(|r| std::array::from_fn(|c| rotation[(r, c)])),
-                origin_m: origin.into(),
-            });
+            frames.push(LinkFrame { rotation: rotation.transpose().into(), origin_m: origin.into() });
         }
     }
 

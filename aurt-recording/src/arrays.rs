@@ -6,11 +6,10 @@ use std::io::{self, Read};
 use crate::csv::families::is_time_name;
 use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
-use crate::format::Visit;
+use crate::format::Reading;
 use crate::memory::Memory;
-use crate::read_options::ReadOptions;
+use crate::recorded_as::{ColumnRef, ColumnSelection};
 use crate::recording::Recording;
-use crate::selection::ColumnRef;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Array {
@@ -42,7 +41,6 @@ pub(crate) type Load<'a> = &'a mut dyn FnMut(&[usize]) -> Result<HashMap<usize, 
 pub(crate) struct ArrayFile<'a> {
     pub(crate) memory: Memory<'a>,
     pub(crate) format: &'a str,
-    pub(crate) options: &'a ReadOptions,
     pub(crate) arrays: Vec<Array>,
 }
 
@@ -82,13 +80,8 @@ impl ArrayFile<'_> {
     ///
     /// # Errors
     /// Arrays that are missing or do not fit each other; more numbers than are read at once; what `load` reports.
-    pub(crate) fn read(
-        self,
-        piece_rows: usize,
-        visit: Visit<'_>,
-        load: Load<'_>,
-    ) -> Result<Recording, RecordingError> {
-        let samples = self.samples();
+    pub(crate) fn read(self, reading: Reading<'_>, load: Load<'_>) -> Result<Recording, RecordingError> {
+        let samples = self.samples(&reading.options.columns);
         let mut names = Vec::new();
         let mut columns = Vec::new();
         let mut unfit = Vec::new();
@@ -114,7 +107,7 @@ impl ArrayFile<'_> {
                 }));
             }
         }
-        let mut table = Table::new(self.memory, names, columns.len(), self.options).map_err(|error| {
+        let mut table = Table::new(self.memory, names, columns.len(), reading.options).map_err(|error| {
             let missing = matches!(error, RecordingError::MissingColumn { .. });
             if missing && !unfit.is_empty() { self.misfit(&unfit, samples) } else { error }
         })?;
@@ -138,7 +131,7 @@ impl ArrayFile<'_> {
             wanted.iter().map(|c| (loaded.get(&c.array).map_or(&[][..], Vec::as_slice), *c)).collect();
         let rows = samples.unwrap_or(0);
         let mut k = 0;
-        table.read(self.format.to_owned(), piece_rows, visit, &mut |row| {
+        table.read(self.format.to_owned(), reading, &mut |row| {
             if k == rows {
                 return Ok(false);
             }
@@ -151,8 +144,8 @@ impl ArrayFile<'_> {
     }
 
     /// The number of samples: that of the time stamps, else the longest axis of all.
-    fn samples(&self) -> Option<usize> {
-        let selected = match &self.options.columns.time {
+    fn samples(&self, columns: &ColumnSelection) -> Option<usize> {
+        let selected = match &columns.time {
             Some(ColumnRef::Name(name)) => Some(name.trim().to_lowercase()),
             _ => None,
         };

@@ -150,22 +150,10 @@ impl BranchTrack {
 
 #[cfg(test)]
 mod tests {
-    use std::cell::Cell;
-
     use super::*;
+    use crate::noise::Normal;
 
-    /// Nearly normal numbers of unit variance.
-    fn normal(state: &Cell<u64>) -> f64 {
-        let uniform = |_| {
-            let next =
-                state.get().wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state.set(next);
-            (next >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(uniform).sum::<f64>() - 6.0
-    }
-
-    fn moves(position: impl Fn(f64) -> f64) -> Option<BranchMotion> {
+    fn moves(mut position: impl FnMut(f64) -> f64) -> Option<BranchMotion> {
         let mut track = BranchTrack::new("wrist".to_owned());
         (0..3000).map(|k| 0.01 * f64::from(k)).for_each(|t| track.add(t, position(t)));
         track.motion().filter(|found| found.moves)
@@ -175,9 +163,9 @@ mod tests {
     fn noise_and_steps_of_a_resting_joint_are_no_motion() {
         for (seed, noise) in [(1, 1e-5), (2, 1e-4), (3, 1e-3)] {
             for step in [0.0, 1e-4] {
-                let state = Cell::new(seed);
-                let shown = |q: f64| {
-                    let q = q + noise * normal(&state);
+                let mut normal = Normal::new(seed);
+                let mut shown = |q: f64| {
+                    let q = q + noise * normal.next();
                     if step > 0.0 { (q / step).round() * step } else { q }
                 };
                 assert_eq!(moves(|_| shown(0.300_049)), None, "{noise} {step}");

@@ -10,29 +10,27 @@ use thiserror::Error;
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RecordingError {
     /// The file could not be opened or read.
-    #[error("{path}: {remedy}", path = path.display())]
+    #[error("{path}: {remedy}")]
     Unreadable {
         path: PathBuf,
         remedy: &'static str,
         #[source]
         source: std::io::Error,
     },
-    #[error("{path} is a directory, not a recording; {remedy}", path = path.display(), remedy = in_folder(path, inside))]
+    #[error("{path} is a directory, not a recording; {remedy}", remedy = in_folder(path, inside))]
     Directory { path: PathBuf, inside: Vec<String> },
-    #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample", path = path.display())]
+    #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample")]
     NoRows { path: PathBuf, found: String },
     /// The first line is data, and no columns were selected.
     #[error(
         "{path}{at}: there is no header{row}, so the {columns} columns have no names; \
          say which is which, counting from 0, e.g. columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }}",
-        path = path.display(),
         at = at(*line),
         row = if *line == 0 { "" } else { " line" }
     )]
     Headerless { path: PathBuf, line: usize, columns: usize },
     #[error(
         "{path}{at}: no column for {what}{wanted}; the file has {known}{likely}",
-        path = path.display(),
         at = at(*line),
         wanted = wanted.as_ref().map(|w| format!(" (`{w}`)")).unwrap_or_default(),
         known = list(known),
@@ -49,8 +47,7 @@ pub enum RecordingError {
     },
     /// A selection names a column beyond the last one.
     #[error(
-        "{path}: column {index} (counting from 0) was selected for {what}, but the file has {columns} columns, 0 to {last}",
-        path = path.display(), last = columns - 1
+        "{path}: column {index} (counting from 0) was selected for {what}, but the file has {columns} columns, 0 to {last}", last = columns - 1
     )]
     ColumnIndex {
         path: PathBuf,
@@ -60,14 +57,13 @@ pub enum RecordingError {
         columns: usize,
     },
     /// Columns that do not fit together: holes in a numbering, different joint counts, doubled names.
-    #[error("{path}{at}: {reason}; {remedy}", path = path.display(), at = at(*line))]
+    #[error("{path}{at}: {reason}; {remedy}", at = at(*line))]
     Columns { path: PathBuf, line: usize, reason: String, remedy: String },
     /// Joints of the robot that the recording does not name, or names twice.
     #[error(
         "{path}: the recording has the joints {recorded}; wanted are {wanted}, and {lacking} of them; {remedy}say which of the \
          recording's joints are the robot's, in the robot's order: joint_names = […] in an experiment, --joint-names on the command \
          line",
-        path = path.display(),
         recorded = recorded.join(", "),
         wanted = wanted.join(", "),
         lacking = counted(lacking, recorded),
@@ -82,12 +78,11 @@ pub enum RecordingError {
         lacking: Vec<String>,
     },
     /// The unit of the measurement cannot be told.
-    #[error("{path}: {reason}; {remedy}", path = path.display())]
+    #[error("{path}: {reason}; {remedy}")]
     Unit { path: PathBuf, reason: String, remedy: String },
     /// A cell that is not a finite number.
     #[error(
         "{path}, line {line}, column {column}{name}: {cell}{others}; {remedy}",
-        path = path.display(),
         cell = cell(text),
         name = name.as_ref().map(|n| format!(" ({n})")).unwrap_or_default(),
         others = others(*rows)
@@ -109,7 +104,6 @@ pub enum RecordingError {
     /// A number that is not finite, in a file that is no text.
     #[error(
         "{path}, row {row}: {name} is {value}{others}; {leave_out}, or select another column",
-        path = path.display(),
         others = others(*rows),
         leave_out = LEAVE_OUT
     )]
@@ -123,13 +117,12 @@ pub enum RecordingError {
         rows: usize,
     },
     /// Two files that do not belong together.
-    #[error("{path} with {other}: {reason}; {remedy}", path = path.display(), other = other.display())]
+    #[error("{path} with {other}: {reason}; {remedy}", other = other.display())]
     Joined { path: PathBuf, other: PathBuf, reason: String, remedy: String },
     /// Reading would take more memory than the size of the file allows.
     #[error(
         "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
-         and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)",
-        path = path.display(), needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
+         and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)", needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
     )]
     TooLarge {
         path: PathBuf,
@@ -140,7 +133,7 @@ pub enum RecordingError {
         allowed_bytes: u64,
     },
     /// A file that is not what its format says.
-    #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
+    #[error("{path}, {place}: {reason}; {remedy}")]
     Malformed {
         path: PathBuf,
         /// Where in it: an array, a topic, a message.
@@ -149,10 +142,7 @@ pub enum RecordingError {
         remedy: String,
     },
     /// A line with another number of cells than the first one.
-    #[error(
-        "{path}, line {line}: {found} cells where the file has {expected}; {remedy}",
-        path = path.display()
-    )]
+    #[error("{path}, line {line}: {found} cells where the file has {expected}; {remedy}")]
     Ragged {
         path: PathBuf,
         /// Line, from 1.
@@ -163,8 +153,7 @@ pub enum RecordingError {
     },
     #[error(
         "{path}, line {line}: the last line breaks off ({reason}); the recording was probably cut while it was written: \
-         delete that line",
-        path = path.display()
+         delete that line"
     )]
     TruncatedLastLine {
         path: PathBuf,
@@ -177,7 +166,6 @@ pub enum RecordingError {
         "{path}, {place}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
          dropped ({max_percent} %): repair the file, delete these rows, or cut the recording with a window that leaves them out",
         max_percent = 100.0 * max_share,
-        path = path.display(),
         place = if *column == 0 { format!("row {line}") } else { format!("line {line}, column {column}") }
     )]
     CorruptRows {
@@ -193,12 +181,11 @@ pub enum RecordingError {
         max_share: f64,
     },
     /// A value in a recording that was not read from a file.
-    #[error("{path}: {reason}; remove such samples first", path = path.display())]
+    #[error("{path}: {reason}; remove such samples first")]
     Sample { path: PathBuf, reason: String },
     /// A window that holds no samples.
     #[error(
-        "{path}: the window {from_s} s to {to_s} s {reason}; the recording lasts from 0 to {duration_s:.3} s",
-        path = path.display()
+        "{path}: the window {from_s} s to {to_s} s {reason}; the recording lasts from 0 to {duration_s:.3} s"
     )]
     Window {
         path: PathBuf,
@@ -225,7 +212,6 @@ pub enum RecordingError {
     Cutoff { cutoff_hz: f64, rate_hz: f64 },
     #[error(
         "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate} Hz / 2); {remedy}",
-        path = path.display(),
         rate = (rate_hz * 1e3).round() / 1e3
     )]
     AboveNyquist {
@@ -240,7 +226,7 @@ pub enum RecordingError {
     #[error("{samples} samples are too few to filter: the filter needs at least {needed}")]
     TooShortToFilter { samples: usize, needed: usize },
     /// A recording too short to preprocess.
-    #[error("{path}: {samples} samples{after} are too few: at least {needed} are needed; {remedy}", path = path.display())]
+    #[error("{path}: {samples} samples{after} are too few: at least {needed} are needed; {remedy}")]
     TooShort {
         path: PathBuf,
         samples: usize,
@@ -251,8 +237,7 @@ pub enum RecordingError {
     },
     #[error(
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
-         so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s",
-        path = path.display()
+         so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s"
     )]
     AtRest {
         path: PathBuf,
@@ -264,8 +249,7 @@ pub enum RecordingError {
     /// The temporary file of a recording longer than memory cannot be made, written or read.
     #[error(
         "{path}: the temporary file for its samples fails; it lies in the folder for temporary files (TMPDIR) and takes \
-         8 bytes a number",
-        path = path.display()
+         8 bytes a number"
     )]
     Spill {
         path: PathBuf,
@@ -273,7 +257,7 @@ pub enum RecordingError {
         source: std::io::Error,
     },
     /// A clock from which no sampling rate can be told.
-    #[error("{path}: {reason}; {remedy}", path = path.display())]
+    #[error("{path}: {reason}; {remedy}")]
     Clock { path: PathBuf, reason: String, remedy: String },
 }
 

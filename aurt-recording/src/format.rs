@@ -1,11 +1,8 @@
 //! What a format of recordings is, and the file that it reads.
 
-use std::{
-    fmt::Debug,
-    fs::File,
-    io::{Cursor, Read, Seek},
-    path::Path,
-};
+use std::fs::File;
+use std::io::{Cursor, Read, Seek};
+use std::path::Path;
 
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
@@ -17,38 +14,32 @@ pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), Recordin
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
 
+/// What is read of a recording, and where it goes: pieces of `piece_rows` rows to `visit` as soon as they are complete, each a
+/// recording by itself; the last, with the report on all of them, is what reading returns.
+pub(crate) struct Reading<'a> {
+    pub options: &'a ReadOptions,
+    pub piece_rows: usize,
+    pub visit: Visit<'a>,
+}
+
 /// A format that recordings are read from.
 ///
-/// A file belongs to the first format that [recognises](Self::recognises) its beginning, else to the first that has the
-/// [ending](Self::endings) of its name, else it is read as text ([`Csv`](crate::Csv)).
-pub trait RecordingFormat: Debug + Send + Sync {
+/// A file belongs to the first format that recognises its beginning, else to the first that has the ending of its name, else
+/// it is read as text ([`CSV`](crate::CSV)).
+#[derive(Debug)]
+pub struct RecordingFormat {
     /// The format's name, as reports write it.
-    fn name(&self) -> &'static str;
-
+    pub name: &'static str,
     /// Endings of file names, lower case and without the dot.
-    fn endings(&self) -> &'static [&'static str];
-
+    pub endings: &'static [&'static str],
     /// Whether the first 64 KiB of a file (fewer, if it is shorter) can only be this format's.
-    fn recognises(&self, beginning: &[u8]) -> bool;
-
-    /// Reads a recording. Pieces of `piece_rows` rows go to `visit` as soon as they are complete, each a recording by
-    /// itself; the last, with the report on all of them, is returned.
-    ///
-    /// # Errors
-    /// What is wrong with the file, with its place and what to do; whatever `visit` returns.
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError>;
+    pub(crate) recognises: fn(&[u8]) -> bool,
+    pub(crate) read: fn(RecordingInput<'_>, Reading<'_>) -> Result<Recording, RecordingError>,
 }
 
 /// An open file whose beginning has been read.
 #[derive(Debug)]
-pub struct RecordingInput<'a> {
-    /// Its path.
+pub(crate) struct RecordingInput<'a> {
     pub path: &'a Path,
     /// Its first bytes.
     pub beginning: Vec<u8>,
@@ -79,11 +70,16 @@ impl<'a> RecordingInput<'a> {
         if path.is_dir() {
             return Err(RecordingError::Directory { path: path.to_owned(), inside: recordings_in(path) });
         }
-        let unreadable = |source| unreadable(path, source);
-        let mut file = aurt_files::open(path).map_err(unreadable)?;
+        let file = aurt_files::open(path).map_err(|source| unreadable(path, source))?;
         let bytes = file.metadata().map_or(0, |m| m.len());
+        Self::begun(path, file, bytes)
+    }
+
+    /// A file of so many bytes that is called `path`, from where it stands on.
+    pub(crate) fn begun(path: &'a Path, mut file: File, bytes: u64) -> Result<Self, RecordingError> {
         let mut beginning = Vec::new();
-        file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning).map_err(unreadable)?;
+        let read = file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning);
+        read.map_err(|source| unreadable(path, source))?;
         Ok(Self { path, beginning, bytes, file })
     }
 
@@ -98,7 +94,7 @@ impl<'a> RecordingInput<'a> {
     }
 
     /// All of it, from the first byte on.
-    pub fn reader(&self) -> impl Read {
+    pub(crate) fn reader(&self) -> impl Read {
         Cursor::new(self.beginning.as_slice()).chain(&self.file)
     }
 }
@@ -123,4 +119,55 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
         _ => "it cannot be read",
     };
     RecordingError::Unreadable { path: path.to_owned(), remedy, source }
+}
+
+/// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
+const FOREIGN: &[(&[u8], &str, &str)] = &[
+    #[cfg(not(feature = "mcap"))]
+    (b"\x89MCAP0", "MCAP", "build aurt-recording with its feature `mcap`"),
+    #[cfg(not(feature = "mcap"))]
+    (b"SQLite format 3\0", "SQLite", "build aurt-recording with its feature `mcap`, if it is a bag of ROS 2"),
+    #[cfg(not(feature = "parquet"))]
+    (b"PAR1", "Parquet", "build aurt-recording with its feature `parquet`"),
+    #[cfg(not(feature = "numpy"))]
+    (b"\x93NUMPY", "an array of NumPy", "build aurt-recording with its feature `numpy`"),
+    #[cfg(not(feature = "matlab"))]
+    (b"MATLAB 5.0", "a MAT-file", "build aurt-recording with its feature `matlab`"),
+    (
+        b"#ROSBAG V2.0",
+        "a bag of ROS 1",
+        "convert it to MCAP: `rosbags-convert --src FILE.bag --dst NEW --dst-storage mcap` (pip install rosbags)",
+    ),
+    (
+        b"ARROW1\0\0",
+        "an Arrow file (Feather)",
+        "write it as Parquet: pandas.read_feather(\"log.arrow\").to_parquet(\"log.parquet\")",
+    ),
+    (
+        b"\x89HDF\r\n\x1a\n",
+        "an HDF5 file",
+        "write its arrays to .npz: numpy.savez(\"log.npz\", time=…, q=…, current=…), or save from MATLAB with \"-v7\"",
+    ),
+    (b"PK\x03\x04\x14\0\x06\0", "an Excel workbook", "save it as CSV"),
+    (
+        b"version https://git-lfs",
+        "a Git LFS pointer instead of the file",
+        "fetch the file itself: `git lfs pull` in its repository",
+    ),
+];
+
+/// Refuses a file that is known to be of a format that is not read.
+///
+/// # Errors
+/// [`RecordingError::Malformed`] with the way to convert it.
+pub(crate) fn refuse_foreign(path: &Path, beginning: &[u8]) -> Result<(), RecordingError> {
+    match FOREIGN.iter().find(|(mark, ..)| beginning.starts_with(mark)) {
+        None => Ok(()),
+        Some((_, name, remedy)) => Err(RecordingError::malformed(
+            path,
+            "its first bytes",
+            format!("it is {name}, which is not supported"),
+            *remedy,
+        )),
+    }
 }

@@ -3,41 +3,39 @@
 use std::path::Path;
 
 #[cfg(feature = "mcap")]
-use crate::bag::{Bag, BagFolder, described};
-use crate::csv::Csv;
+use crate::bag::{BAG, BagFolder, described};
+use crate::csv::CSV;
 use crate::error::RecordingError;
-use crate::foreign;
-use crate::format::Visit;
-use crate::format::{RecordingFormat, RecordingInput};
+use crate::format::{Reading, RecordingFormat, RecordingInput, refuse_foreign};
 #[cfg(feature = "lerobot")]
 use crate::lerobot::{DataSet, folder_of};
 #[cfg(feature = "matlab")]
-use crate::matlab::Matlab;
+use crate::matlab::MATLAB;
 #[cfg(feature = "numpy")]
-use crate::numpy::NumPy;
+use crate::numpy::NUMPY;
 #[cfg(feature = "parquet")]
-use crate::parquet::Parquet;
+use crate::parquet::PARQUET;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Every format, in the order in which they are tried.
-pub const FORMATS: &[&dyn RecordingFormat] = &[
+pub const FORMATS: &[RecordingFormat] = &[
     #[cfg(feature = "numpy")]
-    &NumPy,
+    NUMPY,
     #[cfg(feature = "matlab")]
-    &Matlab,
+    MATLAB,
     #[cfg(feature = "mcap")]
-    &Bag,
+    BAG,
     #[cfg(feature = "parquet")]
-    &Parquet,
-    &Csv,
+    PARQUET,
+    CSV,
 ];
 
-pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFormat {
+pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static RecordingFormat {
     let ending = input.path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let by_content = FORMATS.iter().find(|format| format.recognises(&input.beginning));
-    let by_name = || FORMATS.iter().find(|f| ending.as_deref().is_some_and(|e| f.endings().contains(&e)));
-    *by_content.or_else(by_name).unwrap_or(&(&Csv as &dyn RecordingFormat))
+    let by_content = FORMATS.iter().find(|format| (format.recognises)(&input.beginning));
+    let by_name = || FORMATS.iter().find(|f| ending.as_deref().is_some_and(|e| f.endings.contains(&e)));
+    by_content.or_else(by_name).unwrap_or(&CSV)
 }
 
 /// Whether a path names a recording of several files: the folder of a bag of ROS 2 or of a LeRobot data set, or the
@@ -58,28 +56,23 @@ pub fn is_recording_folder(path: &Path) -> bool {
 
 /// Reads one file or data set as a whole.
 pub(crate) fn read_whole(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    read_in_pieces(path, options, usize::MAX, &mut |_| Ok(()))
+    read_in_pieces(path, Reading { options, piece_rows: usize::MAX, visit: &mut |_| Ok(()) })
 }
 
-/// Reads one file or data set; pieces of `piece_rows` rows go to `visit`, the last is returned.
-pub(crate) fn read_in_pieces(
-    path: &Path,
-    options: &ReadOptions,
-    piece_rows: usize,
-    visit: Visit<'_>,
-) -> Result<Recording, RecordingError> {
-    options.validate()?;
+/// Reads one file or data set.
+pub(crate) fn read_in_pieces(path: &Path, reading: Reading<'_>) -> Result<Recording, RecordingError> {
+    reading.options.validate()?;
     #[cfg(feature = "lerobot")]
     if let Some(data_set) = DataSet::named(path)? {
-        return data_set.read(options, piece_rows, visit);
+        return data_set.read(reading);
     }
     #[cfg(feature = "mcap")]
     if let Some(bag) = BagFolder::named(path)? {
-        return bag.read(options, piece_rows, visit);
+        return bag.read(reading);
     }
     let input = RecordingInput::open(path)?;
-    foreign::refuse(path, &input.beginning)?;
-    format_of(&input).read(input, options, piece_rows, visit)
+    refuse_foreign(path, &input.beginning)?;
+    (format_of(&input).read)(input, reading)
 }
 
 #[cfg(test)]
@@ -90,7 +83,7 @@ mod tests {
 
     #[test]
     fn names_and_endings_are_told_apart() {
-        let mut endings: Vec<&str> = FORMATS.iter().flat_map(|f| f.endings().iter().copied()).collect();
+        let mut endings: Vec<&str> = FORMATS.iter().flat_map(|f| f.endings.iter().copied()).collect();
         let count = endings.len();
         endings.sort_unstable();
         endings.dedup();
@@ -105,7 +98,7 @@ mod tests {
             let path = folder.path().join(name);
             std::fs::write(&path, "time,q_0\n0,1\n").unwrap();
             let input = RecordingInput::open(&path).unwrap();
-            assert_eq!(format_of(&input).name(), "CSV");
+            assert_eq!(format_of(&input).name, "CSV");
             let mut text = String::new();
             input.reader().read_to_string(&mut text).unwrap();
             assert_eq!(text, "time,q_0\n0,1\n");

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::RecordingError;
 use crate::formats::read_whole;
+use crate::noise::median_step_s;
 use crate::read_options::ReadOptions;
 use crate::recorded_as::{Quantity, RecordedAs, TimeUnit};
 use crate::recording::{ReadReport, Recording};
@@ -80,13 +81,6 @@ fn of_file(recording: &Recording) -> ReadReport {
         line_is_row: true,
         ..ReadReport::default()
     }
-}
-
-/// The numbers of a recording, series after series.
-fn series(recording: &Recording) -> impl Iterator<Item = &Vec<Vec<f64>>> {
-    [Some(&recording.position_rad), recording.velocity_rad_s.as_ref(), recording.measurement.as_ref()]
-        .into_iter()
-        .flatten()
 }
 
 /// Where in a file a row of the joined recording is from.
@@ -280,17 +274,13 @@ fn between(
 
 /// The middle distance of two stamps that differ.
 fn period_s(recording: &Recording) -> Result<f64, RecordingError> {
-    let mut steps: Vec<f64> =
-        recording.time_s.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0).collect();
-    if steps.is_empty() {
-        return Err(RecordingError::clock(
+    median_step_s(&recording.time_s).ok_or_else(|| {
+        RecordingError::clock(
             &recording.file,
             "it has no two stamps that differ, and files are joined by their stamps",
             "record two samples at least, or state rate_hz",
-        ));
-    }
-    let middle = steps.len() / 2;
-    Ok(*steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+        )
+    })
 }
 
 /// Positions and measurements have to be in one file each.
@@ -300,7 +290,7 @@ fn refuse_doubled(whole: &Recording, part: &Recording) -> Result<(), RecordingEr
         (Quantity::Measurement, "a measurement", whole.measurement.is_some() && part.measurement.is_some()),
     ];
     let Some((quantity, what, _)) = doubled.into_iter().find(|(.., doubled)| *doubled) else { return Ok(()) };
-    let rest = series(part).count() > 1;
+    let rest = part.families().count() > 1;
     let instead = if quantity == Quantity::Position && (rest || part.measurement.is_some()) {
         "take = [\"measurement\"] in the table of the second"
     } else {

@@ -11,17 +11,13 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::error::RecordingError;
-use crate::foreign;
-use crate::format::RecordingFormat;
-use crate::format::RecordingInput;
-use crate::format::unreadable;
+use crate::format::{Reading, RecordingInput, refuse_foreign, unreadable};
 use crate::memory::Memory;
-use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
+use crate::parquet::{BETWEEN_EPISODES_S, PARQUET};
 use crate::read_options::ReadOptions;
-use crate::recording::RecordedJoints;
-use crate::recording::Recording;
+use crate::recorded_as::{ColumnRef, ColumnsRef};
+use crate::recording::{RecordedJoints, Recording};
 use crate::robot_joints::places;
-use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
@@ -125,9 +121,7 @@ impl DataSet {
     /// Joints that are not there, and what is wrong with a file.
     pub fn read(
         &self,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        Reading { options, piece_rows, visit }: Reading<'_>,
     ) -> Result<Recording, RecordingError> {
         let (mut options, remarks, joints) = self.selected(options)?;
         let sizes = self.files.iter().filter_map(|file| file.metadata().ok());
@@ -138,14 +132,16 @@ impl DataSet {
             let held = all.as_ref().filter(|_| piece_rows == usize::MAX).map_or(0, Recording::bytes);
             options.memory_bytes = Some(memory.allowed_bytes().saturating_sub(held));
             let input = RecordingInput::open(file)?;
-            foreign::refuse(file, &input.beginning)?;
+            refuse_foreign(file, &input.beginning)?;
             clock.begins_again();
-            let mut recording = Parquet.read(input, &options, piece_rows, &mut |piece| {
+            let mut place = |piece: &Recording| {
                 let mut piece = piece.clone();
                 piece.joints.clone_from(&joints);
                 clock.place(&mut piece.time_s);
                 visit(&piece)
-            })?;
+            };
+            let reading = Reading { options: &options, piece_rows, visit: &mut place };
+            let mut recording = (PARQUET.read)(input, reading)?;
             clock.place(&mut recording.time_s);
             all = Some(match all {
                 None => recording,

@@ -51,7 +51,6 @@ mod bag;
 mod branches;
 mod csv;
 mod error;
-mod foreign;
 mod format;
 mod formats;
 #[cfg(feature = "parquet")]
@@ -75,39 +74,40 @@ mod recorded_as;
 mod recording;
 mod robot_joints;
 mod sampling;
-mod selection;
 mod spread;
 mod written;
 
 #[cfg(feature = "parquet")]
-pub use self::parquet::Parquet;
+pub use self::parquet::PARQUET;
 #[cfg(feature = "mcap")]
-pub use bag::Bag;
+pub use bag::BAG;
 pub use branches::BranchMotion;
-pub use csv::{Csv, families::is_time_name};
+pub use csv::{CSV, families::is_time_name};
 pub use error::RecordingError;
-pub use format::{RecordingFormat, RecordingInput};
+pub use format::RecordingFormat;
 pub use formats::{FORMATS, is_recording_folder};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 #[cfg(feature = "matlab")]
-pub use matlab::Matlab;
+pub use matlab::MATLAB;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
     acceleration_gain, lattice_step, median, median_step_s, velocity_gain, white_level, white_level_at,
 };
 #[cfg(feature = "numpy")]
-pub use numpy::NumPy;
+pub use numpy::NUMPY;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
 pub use read_options::ReadOptions;
 pub use reading::{read_recording, read_running};
-pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recorded_as::{
+    AngleUnit, ColumnRef, ColumnSelection, ColumnsRef, CurrentUnit, DroppedRows, JoinedFile, Quantity,
+    RecordedAs, TimeUnit,
+};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use sampling::{StampUnit, suitable_f_dyn_hz};
-pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
 pub use written::PlannedMotion;
 #[cfg(feature = "parquet")]

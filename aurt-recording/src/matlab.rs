@@ -10,10 +10,8 @@ use flate2::read::ZlibDecoder;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
 use crate::error::RecordingError;
-use crate::format::Visit;
-use crate::format::{RecordingFormat, RecordingInput};
+use crate::format::{Reading, RecordingFormat, RecordingInput};
 use crate::memory::Memory;
-use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Bytes before the first variable.
@@ -30,57 +28,41 @@ const MATRIX: u32 = 14;
 /// `q_0` … `q_5`. Variables that are needed are held in memory, others are not unpacked. Version 7.3 is HDF5 and is refused.
 ///
 /// The crates that read these files hold all of a file and decompress it without bound, hence this reader.
-#[derive(Debug, Clone, Copy)]
-pub struct Matlab;
+pub const MATLAB: RecordingFormat = RecordingFormat {
+    name: "MATLAB",
+    endings: &["mat"],
+    recognises: |beginning| is_level_5(beginning) || is_7_3(beginning),
+    read,
+};
 
-impl RecordingFormat for Matlab {
-    fn name(&self) -> &'static str {
-        "MATLAB"
+fn read(input: RecordingInput<'_>, reading: Reading<'_>) -> Result<Recording, RecordingError> {
+    let path = input.path;
+    let memory = Memory::of(path, input.bytes, reading.options);
+    let refused = |reason: &str| {
+        RecordingError::malformed(
+            path,
+            "its first bytes",
+            reason,
+            "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")",
+        )
+    };
+    if is_7_3(&input.beginning) {
+        return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not supported"));
     }
-
-    fn endings(&self) -> &'static [&'static str] {
-        &["mat"]
+    if !is_level_5(&input.beginning) {
+        return Err(refused("it is not a MAT-file of version 5 to 7"));
     }
-
-    fn recognises(&self, beginning: &[u8]) -> bool {
-        is_level_5(beginning) || is_7_3(beginning)
-    }
-
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError> {
-        let path = input.path;
-        let memory = Memory::of(path, input.bytes, options);
-        let refused = |reason: &str| {
-            RecordingError::malformed(
-                path,
-                "its first bytes",
-                reason,
-                "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")",
-            )
-        };
-        if is_7_3(&input.beginning) {
-            return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not supported"));
-        }
-        if !is_level_5(&input.beginning) {
-            return Err(refused("it is not a MAT-file of version 5 to 7"));
-        }
-        let big_endian = input.beginning.get(PREAMBLE - 2..PREAMBLE) == Some(b"MI");
-        let mut arrays = Vec::new();
-        let mut scan = Scan { big_endian, found: &mut arrays, needed: &[], loaded: HashMap::new() };
+    let big_endian = input.beginning.get(PREAMBLE - 2..PREAMBLE) == Some(b"MI");
+    let mut arrays = Vec::new();
+    let mut scan = Scan { big_endian, found: &mut arrays, needed: &[], loaded: HashMap::new() };
+    scan.file(BufReader::new(input.rewound()?)).map_err(|p| malformed(path, &p))?;
+    let file = ArrayFile { memory, format: "MATLAB, version 5 to 7", arrays };
+    file.read(reading, &mut |needed| {
+        let mut again = Vec::new();
+        let mut scan = Scan { big_endian, found: &mut again, needed, loaded: HashMap::new() };
         scan.file(BufReader::new(input.rewound()?)).map_err(|p| malformed(path, &p))?;
-        let file = ArrayFile { memory, format: "MATLAB, version 5 to 7", options, arrays };
-        file.read(piece_rows, visit, &mut |needed| {
-            let mut again = Vec::new();
-            let mut scan = Scan { big_endian, found: &mut again, needed, loaded: HashMap::new() };
-            scan.file(BufReader::new(input.rewound()?)).map_err(|p| malformed(path, &p))?;
-            Ok(scan.loaded)
-        })
-    }
+        Ok(scan.loaded)
+    })
 }
 
 fn is_level_5(beginning: &[u8]) -> bool {

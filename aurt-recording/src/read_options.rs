@@ -2,10 +2,9 @@ use aurt_traits::MeasurementUnit;
 
 use crate::branches::BranchTrack;
 use crate::error::RecordingError;
-use crate::recorded_as::RecordedAs;
+use crate::recorded_as::{ColumnSelection, RecordedAs};
 use crate::recording::RecordedJoints;
 use crate::robot_joints::RobotJoints;
-use crate::selection::ColumnSelection;
 
 /// What to read, and which defects to accept.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,10 @@
 //! Reading recordings: whole, in pieces, and as they come.
 
 use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::error::RecordingError;
-use crate::format::BEGINNING_BYTES;
-use crate::format::RecordingInput;
-use crate::format::unreadable;
+use crate::format::{Reading, RecordingInput, Visit};
 use crate::formats::{format_of, read_in_pieces, read_whole};
 use crate::joined;
 use crate::read_options::ReadOptions;
@@ -18,7 +15,7 @@ use crate::recording::{ReadReport, Recording};
 /// [belong to it](crate::RecordedAs::joined): rows of the common time span, joined by their stamps.
 ///
 /// # Errors
-/// A file that cannot be read, and what its format reports (for text: [`Csv`](crate::Csv)). Each error names the file, the place and
+/// A file that cannot be read, and what its format reports (for text: [`CSV`](crate::CSV)). Each error names the file, the place and
 /// what to do.
 pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     if !options.recorded.joined.is_empty() {
@@ -33,21 +30,18 @@ pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, R
 /// # Errors
 /// As [`read_recording`], and what `visit` returns.
 pub fn read_running(
-    mut file: File,
+    file: File,
     name: &Path,
     options: &ReadOptions,
     piece_rows: usize,
     visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
 ) -> Result<ReadReport, RecordingError> {
     options.validate()?;
-    let mut beginning = Vec::new();
-    let read = file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning);
-    read.map_err(|source| unreadable(name, source))?;
-    let options = ReadOptions { is_running: true, ..options.clone() };
-    let input = RecordingInput { path: name, beginning, bytes: 0, file };
-    let last = format_of(&input).read(input, &options, piece_rows, visit)?;
+    let options = &ReadOptions { is_running: true, ..options.clone() };
+    let input = RecordingInput::begun(name, file, 0)?;
+    let last = (format_of(&input).read)(input, Reading { options, piece_rows, visit: &mut *visit })?;
     visit(&last)?;
-    Ok(of_pieces(last.report, &options))
+    Ok(of_pieces(last.report, options))
 }
 
 /// The report on a recording that was handed over in pieces: of the motion beside the chain what measurements contain.
@@ -63,7 +57,7 @@ const PIECE_ROWS: usize = 1 << 16;
 pub(crate) fn read_pieces(
     path: &Path,
     options: &ReadOptions,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    visit: Visit<'_>,
 ) -> Result<ReadReport, RecordingError> {
     if let Some(other) = options.recorded.joined.first() {
         return Err(RecordingError::Joined {
@@ -73,7 +67,7 @@ pub(crate) fn read_pieces(
             remedy: "read them whole with a higher --stream-above, or join them into one file first".into(),
         });
     }
-    let last = read_in_pieces(path, options, PIECE_ROWS, visit)?;
+    let last = read_in_pieces(path, Reading { options, piece_rows: PIECE_ROWS, visit: &mut *visit })?;
     visit(&last)?;
     Ok(of_pieces(last.report, options))
 }

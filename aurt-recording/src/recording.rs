@@ -229,8 +229,7 @@ impl Recording {
 
     /// Memory that its numbers take, in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        let families = [Some(&self.position_rad), self.velocity_rad_s.as_ref(), self.measurement.as_ref()];
-        let columns = 1 + families.into_iter().flatten().map(Vec::len).sum::<usize>();
+        let columns = 1 + self.families().map(Vec::len).sum::<usize>();
         8 * (columns * self.samples()) as u64
     }
 
@@ -275,17 +274,28 @@ impl Recording {
     /// The samples of a range.
     #[must_use]
     pub fn rows(&self, range: Range<usize>) -> Self {
-        let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[range.clone()].to_vec()).collect();
+        self.with_series(|series| series[range.clone()].to_vec())
+    }
+
+    /// The same recording of other samples: `of` gives those of each series, stamps among them.
+    pub(crate) fn with_series(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let family = |family: &Vec<Vec<f64>>| family.iter().map(|series| of(series)).collect();
         Self {
             file: self.file.clone(),
-            time_s: self.time_s[range.clone()].to_vec(),
-            position_rad: cut(&self.position_rad),
-            velocity_rad_s: self.velocity_rad_s.as_ref().map(cut),
-            measurement: self.measurement.as_ref().map(cut),
+            time_s: of(&self.time_s),
+            position_rad: family(&self.position_rad),
+            velocity_rad_s: self.velocity_rad_s.as_ref().map(family),
+            measurement: self.measurement.as_ref().map(family),
             unit: self.unit,
             joints: self.joints.clone(),
             report: self.report.clone(),
         }
+    }
+
+    /// All series but the stamps: positions, velocities, measurements.
+    pub(crate) fn families(&self) -> impl Iterator<Item = &Vec<Vec<f64>>> {
+        let others = [self.velocity_rad_s.as_ref(), self.measurement.as_ref()];
+        std::iter::once(&self.position_rad).chain(others.into_iter().flatten())
     }
 
     /// Appends later samples of the same robot.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::RecordingError;
+use crate::format::Reading;
 use crate::formats::read_in_pieces;
 use crate::read_options::ReadOptions;
 use crate::reading::read_recording;
@@ -15,13 +16,18 @@ const STRETCH_ROWS: usize = 1 << 14;
 /// end.
 #[derive(Debug)]
 pub struct Stretches {
+    kept: Kept,
+    /// The whole recording as long as nothing is cut, or what the file's report says of it, without rows.
+    rest: Recording,
+}
+
+/// Stretches that are kept, with their places.
+#[derive(Debug, Default)]
+struct Kept {
     /// One of this many is kept; 0 where the recording is to stay whole.
     every: usize,
     next: usize,
-    /// Those that are kept, with their places; none as long as `rest` is the whole.
-    kept: Vec<(usize, Recording)>,
-    /// The whole recording, or what the file's report says of it, without rows.
-    rest: Recording,
+    stretches: Vec<(usize, Recording)>,
 }
 
 impl Stretches {
@@ -34,52 +40,53 @@ impl Stretches {
         if !options.recorded.joined.is_empty() {
             return read_recording(path, options).map(Self::whole);
         }
-        let (mut every, mut next, mut kept) = (1, 0, Vec::new());
+        let mut kept = Kept { every: 1, ..Kept::default() };
         // Whole stretches a piece.
         let piece_rows = most_rows.clamp(1, usize::MAX / 2).next_multiple_of(STRETCH_ROWS);
-        let rest = read_in_pieces(path, options, piece_rows, &mut |piece| {
-            push(piece, (&mut every, &mut next, &mut kept), most_rows);
+        let mut visit = |piece: &Recording| {
+            kept.push(piece, most_rows);
             Ok(())
-        })?;
-        if next == 0 {
-            return Ok(Self { every, next, kept, rest }.at_most(most_rows));
+        };
+        let rest = read_in_pieces(path, Reading { options, piece_rows, visit: &mut visit })?;
+        if kept.next == 0 {
+            return Ok(Self { kept, rest }.at_most(most_rows));
         }
-        push(&rest, (&mut every, &mut next, &mut kept), most_rows);
-        Ok(Self { every, next, kept, rest: rest.rows(0..0) })
+        kept.push(&rest, most_rows);
+        Ok(Self { kept, rest: rest.rows(0..0) })
     }
 
     /// A recording of which nothing is left out, however long it is.
     #[must_use]
-    pub const fn whole(recording: Recording) -> Self {
-        Self { every: 0, next: 0, kept: Vec::new(), rest: recording }
+    pub fn whole(recording: Recording) -> Self {
+        Self { kept: Kept::default(), rest: recording }
     }
 
     /// Rows that are kept.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.rest.samples() + rows(&self.kept)
+        self.rest.samples() + self.kept.rows()
     }
 
     /// Keeps no more than so many rows, one stretch at least.
     #[must_use]
     pub fn at_most(mut self, most_rows: usize) -> Self {
-        if self.every == 0 || self.rows() <= most_rows {
+        if self.kept.every == 0 || self.rows() <= most_rows {
             return self;
         }
-        if self.next == 0 {
-            push(&self.rest, (&mut self.every, &mut self.next, &mut self.kept), most_rows);
+        if self.kept.next == 0 {
+            self.kept.push(&self.rest, most_rows);
             self.rest = self.rest.rows(0..0);
         }
-        thin(&mut self.every, &mut self.kept, most_rows);
+        self.kept.thin(most_rows);
         self
     }
 
     /// One recording, with gaps where stretches were left out; a remark of its report tells of them.
     #[must_use]
     pub fn into_recording(self) -> Recording {
-        let (all, rows, every) = (self.rest.report.rows, self.rows(), self.every);
+        let (all, rows, every) = (self.rest.report.rows, self.rows(), self.kept.every);
         let mut joined = self.rest;
-        for (_, stretch) in self.kept {
+        for (_, stretch) in self.kept.stretches {
             if every > 1
                 && let (Some(before), Some(after)) = (joined.time_s.last(), stretch.time_s.first())
             {
@@ -96,32 +103,31 @@ impl Stretches {
     }
 }
 
-/// Cuts a piece into stretches and keeps those whose turn it is.
-fn push(
-    piece: &Recording,
-    (every, next, kept): (&mut usize, &mut usize, &mut Vec<(usize, Recording)>),
-    most_rows: usize,
-) {
-    // Readers hold back a row here and there, so that pieces are no exact multiples.
-    let samples = piece.samples();
-    let stretches = ((samples + STRETCH_ROWS / 2) / STRETCH_ROWS).max(1);
-    for k in 0..stretches {
-        if next.is_multiple_of(*every) {
-            kept.push((*next, piece.rows(k * samples / stretches..(k + 1) * samples / stretches)));
+impl Kept {
+    /// Cuts a piece into stretches and keeps those whose turn it is.
+    fn push(&mut self, piece: &Recording, most_rows: usize) {
+        // Readers hold back a row here and there, so that pieces are no exact multiples.
+        let samples = piece.samples();
+        let count = ((samples + STRETCH_ROWS / 2) / STRETCH_ROWS).max(1);
+        for k in 0..count {
+            if self.next.is_multiple_of(self.every) {
+                let stretch = piece.rows(k * samples / count..(k + 1) * samples / count);
+                self.stretches.push((self.next, stretch));
+            }
+            self.next += 1;
+            self.thin(most_rows);
         }
-        *next += 1;
-        thin(every, kept, most_rows);
     }
-}
 
-/// Keeps every second stretch of those that are kept, until there are no more rows than that, or one stretch.
-fn thin(every: &mut usize, kept: &mut Vec<(usize, Recording)>, most_rows: usize) {
-    while kept.len() > 1 && rows(kept) > most_rows {
-        *every *= 2;
-        kept.retain(|(index, _)| index.is_multiple_of(*every));
+    /// Keeps every second stretch of those that are kept, until there are no more rows than that, or one stretch.
+    fn thin(&mut self, most_rows: usize) {
+        while self.stretches.len() > 1 && self.rows() > most_rows {
+            self.every *= 2;
+            self.stretches.retain(|(index, _)| index.is_multiple_of(self.every));
+        }
     }
-}
 
-fn rows(kept: &[(usize, Recording)]) -> usize {
-    kept.iter().map(|(_, stretch)| stretch.samples()).sum()
+    fn rows(&self) -> usize {
+        self.stretches.iter().map(|(_, stretch)| stretch.samples()).sum()
+    }
 }

@@ -14,7 +14,7 @@ use aurt_traits::MeasurementUnit;
 
 use crate::{
     ExportError, Source,
-    c::text,
+    c::{RANGES, text},
     naming::check_identifier,
     program::{Tunable, tunable_step},
 };
@@ -96,21 +96,13 @@ pub fn export(source: &Source<'_>, kind: Kind) -> Result<Fmu, ExportError> {
     let bytes = archive::zipped(&files)?;
 
     let unit = if source.unit == MeasurementUnit::Ampere { "A" } else { "Nm" };
+    let dynamics = format!("FMI {FMI} co-simulation, {} dynamics in {unit}", kind.name());
     let operations = program.functions.iter().map(|f| f.operations);
-    let mut notes: Vec<String> = operations
-        .map(|o| {
-            format!(
-                "FMI {FMI} co-simulation, {} dynamics in {unit}; a step of the model takes {} multiplications, {} additions, {} calls",
-                kind.name(),
-                o.multiplications,
-                o.additions,
-                o.calls
-            )
-        })
-        .collect();
+    let mut notes: Vec<String> =
+        operations.map(|o| format!("{dynamics}; a step of the model takes {o}")).collect();
     notes.push(note);
     let lost = vec![
-        "the load torques and velocities of the calibration, beyond which predictions extrapolate".into(),
+        RANGES.into(),
         "the values of base parameters as parameters: they are constants of the sources".into(),
     ];
     Ok(Fmu { file: format!("{name}.fmu"), bytes, lost, notes })

@@ -4,22 +4,29 @@ use std::{fmt::Write, ops::Range};
 
 use roxmltree::Node;
 
-/// Pieces of a text to be replaced.
-#[derive(Debug, Default)]
-pub(super) struct Edits(Vec<(Range<usize>, String)>);
+/// A text with pieces to be replaced.
+#[derive(Debug)]
+pub(super) struct Edits<'t> {
+    text: &'t str,
+    pieces: Vec<(Range<usize>, String)>,
+}
 
-impl Edits {
+impl<'t> Edits<'t> {
+    pub const fn new(text: &'t str) -> Self {
+        Self { text, pieces: Vec::new() }
+    }
+
     /// Gives an element attributes: those that it has get another value, others come behind its last. Those in `without`
     /// are taken away, with the blanks before them.
-    pub fn set(&mut self, text: &str, node: Node<'_, '_>, with: &[(&str, String)], without: &[&str]) {
+    pub fn set(&mut self, node: Node<'_, '_>, with: &[(&str, String)], without: &[&str]) {
         // Behind the name of the element, where it has no attributes.
-        let name_end = node.range().start + 1 + name(text, node).len();
+        let name_end = node.range().start + 1 + self.name(node).len();
         let end = node.attributes().map(|a| a.range().end).max().unwrap_or(name_end);
         let mut added = String::new();
         for (name, value) in with {
             match node.attribute_node(*name) {
                 Some(attribute) if attribute.value() != value => {
-                    self.0.push((attribute.range_value(), value.clone()));
+                    self.pieces.push((attribute.range_value(), value.clone()));
                 }
                 Some(_) => {}
                 None => {
@@ -29,39 +36,40 @@ impl Edits {
         }
         for attribute in node.attributes().filter(|a| without.contains(&a.name())) {
             let range = attribute.range();
-            let begin = text[..range.start].trim_end().len();
-            self.0.push((begin..range.end, String::new()));
+            let begin = self.text[..range.start].trim_end().len();
+            self.pieces.push((begin..range.end, String::new()));
         }
         if !added.is_empty() {
-            self.0.push((end..end, added));
+            self.pieces.push((end..end, added));
         }
     }
 
     /// Puts a text at a place.
     pub fn insert(&mut self, at: usize, text: String) {
-        self.0.push((at..at, text));
+        self.pieces.push((at..at, text));
     }
 
     /// Puts an element before all that an element contains, behind the blanks that its first child has before it.
-    pub fn insert_first(&mut self, text: &str, node: Node<'_, '_>, element: &str) {
+    pub fn insert_first(&mut self, node: Node<'_, '_>, element: &str) {
         let range = node.range();
         if let Some(first) = node.first_child() {
             let blank = first.text().filter(|t| first.is_text() && t.trim().is_empty()).unwrap_or_default();
             self.insert(first.range().start, format!("{blank}{element}"));
-        } else if text[range.clone()].ends_with("/>") {
-            let name = name(text, node);
-            self.0.push((range.end - 2..range.end, format!(">{element}</{name}>")));
-        } else if let Some(end) = text[range.clone()].rfind("</") {
+        } else if self.text[range.clone()].ends_with("/>") {
+            let name = self.name(node);
+            self.pieces.push((range.end - 2..range.end, format!(">{element}</{name}>")));
+        } else if let Some(end) = self.text[range.clone()].rfind("</") {
             self.insert(range.start + end, element.to_owned());
         }
     }
 
     /// The text with all changes.
-    pub fn apply(mut self, text: &str) -> String {
-        self.0.sort_by_key(|(range, _)| (range.start, range.end));
+    pub fn apply(mut self) -> String {
+        let text = self.text;
+        self.pieces.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() + 4096);
         let mut at = 0;
-        for (range, replacement) in self.0 {
+        for (range, replacement) in self.pieces {
             out.push_str(&text[at..range.start.max(at)]);
             out.push_str(&replacement);
             at = range.end.max(at);
@@ -69,12 +77,12 @@ impl Edits {
         out.push_str(&text[at..]);
         out
     }
-}
 
-fn name<'t>(text: &'t str, node: Node<'_, '_>) -> &'t str {
-    let behind = &text[node.range().start + 1..];
-    let end = behind.find(|c: char| c.is_whitespace() || c == '/' || c == '>');
-    &behind[..end.unwrap_or_default()]
+    fn name(&self, node: Node<'_, '_>) -> &'t str {
+        let behind = &self.text[node.range().start + 1..];
+        let end = behind.find(|c: char| c.is_whitespace() || c == '/' || c == '>');
+        &behind[..end.unwrap_or_default()]
+    }
 }
 
 #[cfg(test)]
@@ -86,19 +94,19 @@ mod tests {
         let text = "<a>\n  <!-- b c='1' -->\n  <b x = '1'\n     y=\"2\" z='3' /> <c/>\u{e9}<d></d>\n</a>";
         let document = roxmltree::Document::parse(text).unwrap();
         let node = |name| document.descendants().find(|n| n.has_tag_name(name)).unwrap();
-        let mut edits = Edits::default();
+        let mut edits = Edits::new(text);
         let of = |name, value: &str| (name, value.to_owned());
-        edits.set(text, node("d"), &[of("v", "5")], &[]);
-        edits.set(text, node("b"), &[of("x", "10"), of("w", "4"), of("y", "2")], &["z", "u"]);
-        edits.set(text, node("c"), &[of("v", "6"), of("u", "7")], &[]);
+        edits.set(node("d"), &[of("v", "5")], &[]);
+        edits.set(node("b"), &[of("x", "10"), of("w", "4"), of("y", "2")], &["z", "u"]);
+        edits.set(node("c"), &[of("v", "6"), of("u", "7")], &[]);
         let wanted = "<a>\n  <!-- b c='1' -->\n  <b x = '10'\n     y=\"2\" w=\"4\" /> <c v=\"6\" u=\"7\"/>\u{e9}<d v=\"5\"></d>\n</a>";
-        assert_eq!(edits.apply(text), wanted);
-        let mut edits = Edits::default();
+        assert_eq!(edits.apply(), wanted);
+        let mut edits = Edits::new(text);
         for (at, new) in [("a", "<n/>"), ("b", "<o/>"), ("c", "<p/>"), ("d", "<q/>")] {
-            edits.insert_first(text, node(at), new);
+            edits.insert_first(node(at), new);
         }
         let wanted = "<a>\n  <n/>\n  <!-- b c='1' -->\n  <b x = '1'\n     y=\"2\" z='3' ><o/></b> <c><p/></c>\u{e9}<d><q/></d>\n</a>";
-        assert_eq!(edits.apply(text), wanted);
-        assert_eq!(Edits::default().apply(text), text);
+        assert_eq!(edits.apply(), wanted);
+        assert_eq!(Edits::new(text).apply(), text);
     }
 }

@@ -23,8 +23,7 @@ pub(super) fn check(root: Node<'_, '_>) -> Result<(), ExportError> {
 
 /// Sets mass, centre of mass and inertia of a body.
 pub(super) fn inertial(
-    edits: &mut Edits,
-    text: &str,
+    edits: &mut Edits<'_>,
     (node, inertial): (Node<'_, '_>, Option<Node<'_, '_>>),
     body: &LinkBody,
 ) {
@@ -39,45 +38,28 @@ pub(super) fn inertial(
     if let Some(inertial) = inertial {
         let mut without = TURNS.to_vec();
         without.push(other);
-        edits.set(text, inertial, &attributes, &without);
+        edits.set(inertial, &attributes, &without);
     } else {
         let attributes = attributes.map(|(name, value)| format!(" {name}=\"{value}\"")).concat();
-        edits.insert_first(text, node, &format!("<inertial{attributes}/>"));
+        edits.insert_first(node, &format!("<inertial{attributes}/>"));
     }
 }
 
-/// Sets what of a joint's dynamics differs from the file: the attribute, what is found, what is wanted.
-pub(super) fn joint(
-    edits: &mut Edits,
-    text: &str,
-    node: Node<'_, '_>,
-    joint: &PlacedJoint,
-    wanted: &JointDynamics,
-) -> Vec<(&'static str, f64, f64)> {
+/// Attributes of a joint's dynamics: what is found, what is wanted.
+pub(super) fn joint(joint: &PlacedJoint, wanted: &JointDynamics) -> Vec<(&'static str, f64, f64)> {
     // The reference of a spring that does not act says nothing.
     let spring_ref = if wanted.stiffness == 0.0 { joint.spring_ref } else { wanted.spring_ref / joint.unit };
-    let mut differing = vec![
+    vec![
         ("armature", joint.armature, wanted.armature),
         ("damping", joint.damping, wanted.damping),
         ("frictionloss", joint.friction_loss, wanted.friction_loss),
         ("stiffness", joint.stiffness, wanted.stiffness),
         ("springref", joint.spring_ref, spring_ref),
-    ];
-    differing.retain(|(_, found, wanted)| found != wanted);
-    let attributes: Vec<(&str, String)> =
-        differing.iter().map(|(name, _, wanted)| (*name, format!("{wanted:?}"))).collect();
-    // It would overrule stiffness and damping.
-    edits.set(text, node, &attributes, &["springdamper"]);
-    differing
+    ]
 }
 
 /// Takes armature and damping from the actuators of a joint, which the model has at the joint: what of them is left, in words.
-pub(super) fn undrive(
-    edits: &mut Edits,
-    text: &str,
-    root: Node<'_, '_>,
-    joint: &PlacedJoint,
-) -> Option<String> {
+pub(super) fn undrive(edits: &mut Edits<'_>, root: Node<'_, '_>, joint: &PlacedJoint) -> Option<String> {
     if !joint.is_driven {
         return None;
     }
@@ -88,7 +70,7 @@ pub(super) fn undrive(
     };
     for node in sections.flat_map(|s| s.children()).filter(drives) {
         // An attribute of the element overrides the default of its class.
-        edits.set(text, node, &["armature", "damping"].map(|name| (name, "0.0".into())), &[]);
+        edits.set(node, &["armature", "damping"].map(|name| (name, "0.0".into())), &[]);
     }
     Some(format!("actuators of joint {}: armature and damping to 0, they are in the joint's", joint.name))
 }

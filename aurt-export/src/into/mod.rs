@@ -91,7 +91,7 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
     }
     notes.push("shapes and meshes are named relative to the file, so put it beside the original".into());
 
-    let mut edits = Edits::default();
+    let mut edits = Edits::new(text);
     let mut changed = Vec::new();
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     for (j, ((link, body), joint)) in links.iter().zip(bodies).zip(&joints).enumerate() {
@@ -100,8 +100,8 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
             let Some(node) = element(place.start) else { return };
             let of = (node, place.inertial.and_then(element));
             match format {
-                Format::Mjcf => mjcf::inertial(&mut edits, text, of, body),
-                Format::Urdf => urdf::inertial(&mut edits, text, of, body),
+                Format::Mjcf => mjcf::inertial(&mut edits, of, body),
+                Format::Urdf => urdf::inertial(&mut edits, of, body),
             }
         };
         for other in emptied {
@@ -117,12 +117,20 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
         ));
         let Some(node) = element(link.joint.start) else { continue };
         if format == Format::Mjcf {
-            changed.extend(mjcf::undrive(&mut edits, text, root, &link.joint));
+            changed.extend(mjcf::undrive(&mut edits, root, &link.joint));
         }
-        let differing = match format {
-            Format::Mjcf => mjcf::joint(&mut edits, text, node, &link.joint, joint),
-            Format::Urdf => urdf::joint(&mut edits, text, node, &link.joint, joint),
+        let mut differing = match format {
+            Format::Mjcf => mjcf::joint(&link.joint, joint),
+            Format::Urdf => urdf::joint(&link.joint, joint),
         };
+        differing.retain(|(_, found, wanted)| found != wanted);
+        let attributes: Vec<(&str, String)> =
+            differing.iter().map(|(name, _, wanted)| (*name, format!("{wanted:?}"))).collect();
+        match format {
+            // It would overrule stiffness and damping.
+            Format::Mjcf => edits.set(node, &attributes, &["springdamper"]),
+            Format::Urdf => urdf::set_dynamics(&mut edits, node, &attributes),
+        }
         if !differing.is_empty() {
             let said =
                 differing.iter().map(|(name, found, wanted)| format!("{name} {found:.4} to {wanted:.4}"));
@@ -135,7 +143,7 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
     };
     let first = format!("Dynamics corrected by `aurt export {target}` with `into`.");
     edits.insert(root.range().start, heading(source, first, &changed, program, &lost));
-    Ok(Corrected { text: edits.apply(text), changed, lost, notes })
+    Ok(Corrected { text: edits.apply(), changed, lost, notes })
 }
 
 fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportError> {

@@ -13,8 +13,7 @@ fn child<'a, 'x>(node: Node<'a, 'x>, name: &str) -> Option<Node<'a, 'x>> {
 
 /// Sets mass, centre of mass and inertia of a link, along the link's axes.
 pub(super) fn inertial(
-    edits: &mut Edits,
-    text: &str,
+    edits: &mut Edits<'_>,
     (node, inertial): (Node<'_, '_>, Option<Node<'_, '_>>),
     body: &LinkBody,
 ) {
@@ -32,13 +31,13 @@ pub(super) fn inertial(
     let written = |(name, attributes): &(&str, Vec<(&str, String)>)| element(name, attributes);
     let Some(inertial) = inertial else {
         let inside: String = elements.iter().map(written).collect();
-        edits.insert_first(text, node, &format!("<inertial>{inside}</inertial>"));
+        edits.insert_first(node, &format!("<inertial>{inside}</inertial>"));
         return;
     };
     for stated in &elements {
         match child(inertial, stated.0) {
-            Some(node) => edits.set(text, node, &stated.1, &[]),
-            None => edits.insert_first(text, inertial, &written(stated)),
+            Some(node) => edits.set(node, &stated.1, &[]),
+            None => edits.insert_first(inertial, &written(stated)),
         }
     }
 }
@@ -48,27 +47,15 @@ fn element(name: &str, attributes: &[(&str, String)]) -> String {
     format!("<{name}{attributes}/>")
 }
 
-/// Sets what of a joint's dynamics differs from the file: the attribute, what is found, what is wanted.
-pub(super) fn joint(
-    edits: &mut Edits,
-    text: &str,
-    node: Node<'_, '_>,
-    joint: &PlacedJoint,
-    wanted: &JointDynamics,
-) -> Vec<(&'static str, f64, f64)> {
-    let mut differing = vec![
-        ("damping", joint.damping, wanted.damping),
-        ("friction", joint.friction_loss, wanted.friction_loss),
-    ];
-    differing.retain(|(_, found, wanted)| found != wanted);
-    let attributes: Vec<(&str, String)> =
-        differing.iter().map(|(name, _, wanted)| (*name, format!("{wanted:?}"))).collect();
+/// Attributes of a joint's `<dynamics>`: what is found, what is wanted.
+pub(super) fn joint(joint: &PlacedJoint, wanted: &JointDynamics) -> Vec<(&'static str, f64, f64)> {
+    vec![("damping", joint.damping, wanted.damping), ("friction", joint.friction_loss, wanted.friction_loss)]
+}
+
+pub(super) fn set_dynamics(edits: &mut Edits<'_>, node: Node<'_, '_>, attributes: &[(&str, String)]) {
     match child(node, "dynamics") {
-        Some(dynamics) => edits.set(text, dynamics, &attributes, &[]),
-        None if !attributes.is_empty() => {
-            edits.insert_first(text, node, &element("dynamics", &attributes));
-        }
+        Some(dynamics) => edits.set(dynamics, attributes, &[]),
+        None if !attributes.is_empty() => edits.insert_first(node, &element("dynamics", attributes)),
         None => {}
     }
-    differing
 }

@@ -2,6 +2,7 @@
 
 use aurt_rbd::{ChainDynamics, SerialChain};
 
+use super::language::literal;
 use crate::{ExportError, Source};
 
 /// A sample of a motion and what the model predicts there.
@@ -20,7 +21,13 @@ pub struct Check {
 }
 
 /// The largest difference that passes, relative to the largest stored value of its column.
-pub(crate) const TOLERANCE: f64 = 1e-12;
+const TOLERANCE: f64 = 1e-12;
+
+/// A program that compares, with the name of the model, the tolerance and the word for another mark.
+pub(crate) fn filled(template: &str, source: &Source<'_>, (mark, word): (&str, &str)) -> String {
+    let named = template.replace("@NAME@", source.name);
+    named.replace("@TOLERANCE@", &literal(TOLERANCE)).replace(mark, word)
+}
 
 /// How many of the samples have a regressor, which is large.
 const WITH_REGRESSOR: usize = 4;

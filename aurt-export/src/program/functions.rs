@@ -67,18 +67,39 @@ impl Program {
     }
 }
 
+/// Values of a function.
+type Results = fn(&mut Parts<'_>) -> Result<Vec<Value>, ExportError>;
+
 /// All functions of a model, its constants folded.
 pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, ExportError> {
-    let joints = chain.joints().len();
     let (step, memory) = step(source, chain, None)?;
-    let rigid_body = motion_function(
-        source,
-        chain,
+    let of = |name, summary, arguments, result, results: Results| {
+        let mut parts = Parts::new(source, chain, None)?;
+        let results = results(&mut parts)?;
+        Ok::<_, ExportError>(parts.function(name, summary, arguments, result, results))
+    };
+    let rigid_body = of(
         "rigid_body_torque",
         "Torque of bodies and rotors alone: M(q) qdd + c(q, qd) + g(q).",
+        MOTION,
+        "tau",
         |parts| parts.bodies_and_rotors(),
     )?;
-    let of_bodies = [gravity(source, chain)?, mass_matrix(source, chain, joints)?, regressor(source, chain)?];
+    let posture = &MOTION[..1];
+    let of_bodies = [
+        of("gravity", "Torque of the bodies' weight, g(q).", posture, "tau", |parts| parts.weight())?,
+        of("mass_matrix", "Mass matrix M(q) of bodies and rotors, row after row.", posture, "m", |parts| {
+            parts.mass_matrix()
+        })?,
+        of(
+            "regressor",
+            "Columns of the base parameters of the bodies, row after row, a joint a row: their torque is Y(q, qd, qdd) \
+             times the parameters.",
+            MOTION,
+            "y",
+            |parts| parts.regressor(),
+        )?,
+    ];
     let mut functions = Vec::new();
     if memory.is_empty() {
         let torque = Function {
@@ -87,11 +108,11 @@ pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, E
             steps: false,
             ..step.clone()
         };
-        let friction = motion_function(
-            source,
-            chain,
+        let friction = of(
             "friction_torque",
             "Torque of everything else: friction at the load of this motion, springs, offsets.",
+            MOTION,
+            "tau",
             |parts| parts.rest(),
         )?;
         let step = Function { body: Body::Torque, operations: Operations::default(), ..step };
@@ -128,9 +149,10 @@ fn step(
     }
     let summary = "Torque of the drives at time t, s, as `aurt predict` gives it for the samples of a series, one after \
                    another.";
-    let made = function("step", summary, MOTION, "tau", parts.tape, sum);
+    let memory = std::mem::take(&mut parts.memory);
+    let made = parts.function("step", summary, MOTION, "tau", sum);
     let parameters = tunable.map(|t| t.parameters().len());
-    Ok((Function { steps: true, parameters, ..made }, parts.memory))
+    Ok((Function { steps: true, parameters, ..made }, memory))
 }
 
 /// The parts of the torque of a motion on one tape, so that they share what they have in common.
@@ -261,94 +283,69 @@ impl<'a> Parts<'a> {
         }
         Ok(())
     }
-}
 
-fn motion_function(
-    source: &Source<'_>,
-    chain: &SerialChain,
-    name: &'static str,
-    summary: &'static str,
-    results: impl FnOnce(&mut Parts<'_>) -> Result<Vec<Value>, ExportError>,
-) -> Result<Function, ExportError> {
-    let mut parts = Parts::new(source, chain, None)?;
-    let results = results(&mut parts)?;
-    Ok(function(name, summary, MOTION, "tau", parts.tape, results))
-}
-
-fn constant_bodies(source: &Source<'_>) -> Result<Vec<Value>, ExportError> {
-    Ok(source.bodies(|k| source.coefficients[k])?.into_iter().map(Value::Constant).collect())
-}
-
-fn gravity(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportError> {
-    let joints = chain.joints().len();
-    let mut tape = Tape::default();
-    let q: Vec<Value> = (0..joints).map(|j| tape.input(format!("q[{j}]"))).collect();
-    let posture = Posture::new(&mut tape, chain, &q)?;
-    let rest = vec![ZERO; joints];
-    let standard = constant_bodies(source)?;
-    let down = chain.gravity_m_s2().map(Value::Constant);
-    let torque = posture.torque(&mut tape, &standard, down, &rest, &rest);
-    let summary = "Torque of the bodies' weight, g(q).";
-    Ok(function("gravity", summary, &MOTION[..1], "tau", tape, torque))
-}
-
-fn mass_matrix(source: &Source<'_>, chain: &SerialChain, joints: usize) -> Result<Function, ExportError> {
-    let mut tape = Tape::default();
-    let q: Vec<Value> = (0..joints).map(|j| tape.input(format!("q[{j}]"))).collect();
-    let posture = Posture::new(&mut tape, chain, &q)?;
-    let standard = constant_bodies(source)?;
-    let rest = vec![ZERO; joints];
-    let rotors = source.rotor_inertia_kg_m2();
-    let mut entries = vec![ZERO; joints * joints];
-    for column in 0..joints {
-        let mut unit = rest.clone();
-        unit[column] = Value::Constant(1.0);
-        let torque = posture.torque(&mut tape, &standard, [ZERO; 3], &rest, &unit);
-        // The matrix is symmetric: what joints before the column's need is enough.
-        for row in 0..=column {
-            entries[row * joints + column] = torque[row];
-            entries[column * joints + row] = torque[row];
-        }
-        let diagonal = column * joints + column;
-        entries[diagonal] = tape.add(entries[diagonal], Value::Constant(rotors[column]));
+    fn constant_bodies(&self) -> Result<Vec<Value>, ExportError> {
+        let coefficients = self.source.coefficients;
+        Ok(self.source.bodies(|k| coefficients[k])?.into_iter().map(Value::Constant).collect())
     }
-    let summary = "Mass matrix M(q) of bodies and rotors, row after row.";
-    Ok(function("mass_matrix", summary, &MOTION[..1], "m", tape, entries))
-}
 
-fn regressor(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportError> {
-    let mut parts = Parts::new(source, chain, None)?;
-    let columns = source.model.base().len();
-    let mut entries = vec![ZERO; chain.joints().len() * columns];
-    for column in 0..columns {
-        let mut unit = vec![ZERO; parts.values.len()];
-        unit[column] = Value::Constant(1.0);
-        for (joint, torque) in parts.bodies(&unit, false)?.into_iter().enumerate() {
-            entries[joint * columns + column] = torque;
-        }
+    fn weight(&mut self) -> Result<Vec<Value>, ExportError> {
+        let rest = vec![ZERO; self.chain.joints().len()];
+        let standard = self.constant_bodies()?;
+        Ok(self.posture.torque(&mut self.tape, &standard, self.gravity, &rest, &rest))
     }
-    let summary = "Columns of the base parameters of the bodies, row after row, a joint a row: their torque is Y(q, qd, qdd) \
-                   times the parameters.";
-    Ok(function("regressor", summary, MOTION, "y", parts.tape, entries))
-}
 
-fn function(
-    name: &'static str,
-    summary: &'static str,
-    arguments: &'static [&'static str],
-    result: &'static str,
-    tape: Tape,
-    results: Vec<Value>,
-) -> Function {
-    let operations = tape.operations(&results);
-    Function {
-        name,
-        summary,
-        steps: false,
-        parameters: None,
-        arguments,
-        result: (result, results.len()),
-        body: Body::Line(tape, results),
-        operations,
+    fn mass_matrix(&mut self) -> Result<Vec<Value>, ExportError> {
+        let joints = self.chain.joints().len();
+        let standard = self.constant_bodies()?;
+        let rest = vec![ZERO; joints];
+        let mut entries = vec![ZERO; joints * joints];
+        for (column, rotor) in self.source.rotor_inertia_kg_m2().into_iter().enumerate() {
+            let mut unit = rest.clone();
+            unit[column] = Value::Constant(1.0);
+            let torque = self.posture.torque(&mut self.tape, &standard, [ZERO; 3], &rest, &unit);
+            // The matrix is symmetric: what joints before the column's need is enough.
+            for row in 0..=column {
+                entries[row * joints + column] = torque[row];
+                entries[column * joints + row] = torque[row];
+            }
+            let diagonal = column * joints + column;
+            entries[diagonal] = self.tape.add(entries[diagonal], Value::Constant(rotor));
+        }
+        Ok(entries)
+    }
+
+    fn regressor(&mut self) -> Result<Vec<Value>, ExportError> {
+        let columns = self.source.model.base().len();
+        let mut entries = vec![ZERO; self.chain.joints().len() * columns];
+        for column in 0..columns {
+            let mut unit = vec![ZERO; self.values.len()];
+            unit[column] = Value::Constant(1.0);
+            for (joint, torque) in self.bodies(&unit, false)?.into_iter().enumerate() {
+                entries[joint * columns + column] = torque;
+            }
+        }
+        Ok(entries)
+    }
+
+    /// A function of these parts without state.
+    fn function(
+        self,
+        name: &'static str,
+        summary: &'static str,
+        arguments: &'static [&'static str],
+        result: &'static str,
+        results: Vec<Value>,
+    ) -> Function {
+        Function {
+            name,
+            summary,
+            steps: false,
+            parameters: None,
+            arguments,
+            result: (result, results.len()),
+            operations: self.tape.operations(&results),
+            body: Body::Line(self.tape, results),
+        }
     }
 }

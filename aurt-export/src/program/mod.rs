@@ -15,7 +15,7 @@ mod tunable;
 
 pub use self::checks::Check;
 pub(crate) use self::{
-    checks::{TOLERANCE, tables},
+    checks::{filled, tables},
     functions::{Body, Function, Program, all, tunable_step},
     language::{Language, list, literal},
     tunable::Tunable,

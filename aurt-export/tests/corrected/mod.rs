@@ -2,19 +2,19 @@
 
 mod urdf;
 
-use std::{path::Path, process::Command, sync::LazyLock};
+use std::{path::Path, sync::LazyLock};
 
 use aurt_export::{
     ExportError, Source,
     into::{Corrected, Format, Original, correct},
 };
+use aurt_rbd::SerialChain;
 use aurt_rbd::robots::{DescribedRobot, Part};
-use aurt_rbd::{ChainDynamics, SerialChain};
 use roxmltree::Document;
 
 use super::{
     models::{Case, case},
-    provenance, source,
+    source,
 };
 
 const OWN: &str = include_str!("own.xml");
@@ -41,9 +41,13 @@ fn original(text: &str, format: Format) -> Original<'_> {
 }
 
 fn corrected(text: &str, case: &Case) -> Result<Corrected, ExportError> {
-    let provenance = provenance();
     let original = original(text, Format::Mjcf);
-    correct(&source(case, &provenance), &original)
+    correct(&source(case), &original)
+}
+
+fn around_heading<'a>(text: &'a str, begin: &str) -> [&'a str; 2] {
+    let (before, heading) = text.split_once(begin).unwrap();
+    [before, heading.split_once("-->\n").unwrap().1]
 }
 
 /// The text outside the elements that carry dynamics.
@@ -83,14 +87,8 @@ fn a_corrected_file_has_the_bodies_of_the_model_and_is_else_the_same() {
     println!("{text}\n{changed:#?}\n{lost:#?}\n{notes:#?}");
 
     let robot = read(&text);
-    let worst = |found: &[f64], wanted: &[f64]| {
-        found.iter().zip(wanted).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
-    };
-    assert!(worst(&robot.standard_parameters.unwrap(), &case.standard) < 1e-13);
-    let parameter = |name: &str| {
-        let place = case.model.parameters().iter().position(|p| p.name == name);
-        case.coefficients[place.unwrap_or_else(|| panic!("no {name}"))]
-    };
+    assert!(apart(&robot, &case) < 1e-13);
+    let parameter = |name: &str| case.coefficient(name);
     let rotors = [0.0, parameter("rotor_inertia.I_a_1"), 0.0, parameter("rotor_inertia.I_a_3")];
     assert_eq!(robot.armature_kg_m2, rotors, "class defaults are overridden");
     assert_eq!(robot.friction[0].coulomb_nm, parameter("F_C0_0"));
@@ -98,20 +96,15 @@ fn a_corrected_file_has_the_bodies_of_the_model_and_is_else_the_same() {
     assert!(text.contains(&format!("stiffness=\"{:?}\"", parameter("spring.k_2"))), "{text}");
 
     // Where bytes differ: the heading, inertias, and joints along the chain.
-    let heading = text.find("<!--\n  Dynamics corrected").unwrap();
-    let end = text[heading..].find("-->\n").unwrap() + heading + 4;
-    let without_heading = format!("{}{}", &text[..heading], &text[end..]);
-    let wrist = "\n              <inertial/>";
+    let [before, after] = around_heading(&text, "<!--\n  Dynamics corrected");
+    let without_heading = format!("{before}{after}");
     let added = without_heading.find("euler=\"0 90 0\">").unwrap();
     assert!(without_heading[added..].starts_with("euler=\"0 90 0\">\n              <inertial pos="));
     assert_eq!(
         untouched(&without_heading),
         untouched(OWN).replace(
             "<body name=\"wrist\" pos=\"0 0.1 0.4\" euler=\"0 90 0\">",
-            &format!(
-                "<body name=\"wrist\" pos=\"0 0.1 0.4\" euler=\"0 90 0\">{}",
-                wrist.replace("<inertial/>", "")
-            )
+            "<body name=\"wrist\" pos=\"0 0.1 0.4\" euler=\"0 90 0\">\n              "
         )
     );
     for same in [
@@ -131,13 +124,17 @@ fn a_corrected_file_has_the_bodies_of_the_model_and_is_else_the_same() {
     // Once more: nothing is left to be done.
     let again = corrected(&text, &case).unwrap();
     assert!(again.changed.iter().all(|c| c.starts_with("body ")), "{:#?}", again.changed);
-    assert!(worst(&read(&again.text).standard_parameters.unwrap(), &case.standard) < 1e-13);
+    assert!(apart(&read(&again.text), &case) < 1e-13);
+}
+
+fn apart(robot: &DescribedRobot, case: &Case) -> f64 {
+    let found = robot.standard_parameters.as_ref().unwrap();
+    found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
 }
 
 /// The file has the bodies of the model.
 fn assert_has_bodies(text: &str, case: &Case) {
-    let found = read(text).standard_parameters.unwrap();
-    let apart = found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let apart = apart(&read(text), case);
     assert!(apart < 1e-13, "{apart:e}");
     in_mujoco(text, case);
 }
@@ -201,36 +198,21 @@ fn a_corrected_file_needs_our_torques_in_mujoco() {
 
 fn in_mujoco(text: &str, case: &Case) {
     if let Some(worst) = difference_in_mujoco(text, case) {
-        println!("largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint");
         assert!(worst <= 1e-9, "{worst:e}");
     }
 }
 
-/// Of torques of bodies and rotors, relative to the largest of the joint; none without MuJoCo.
 fn difference_in_mujoco(text: &str, case: &Case) -> Option<f64> {
-    let python = super::python_with_mujoco()?;
-    let rotors = super::rotors(case);
-    let mut bodies =
-        ChainDynamics::new(case.chain.clone(), &case.standard).unwrap().with_rotor_inertia(&rotors).unwrap();
-    let states = super::states(case, &mut bodies);
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("own.xml"), text).unwrap();
-    std::fs::write(folder.path().join("states.json"), serde_json::to_vec(&states).unwrap()).unwrap();
-    let run = Command::new(&python)
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_inverse.py"))
-        .args([folder.path().join("own.xml"), folder.path().join("states.json")])
-        .args(["pan", "lift", "elbow", "wrist"])
-        .output()
-        .unwrap();
-    let out = String::from_utf8_lossy(&run.stdout);
-    assert!(run.status.success(), "{out}\n{}", String::from_utf8_lossy(&run.stderr));
-    Some(out.trim().parse().unwrap())
+    let file = folder.path().join("own.xml");
+    std::fs::write(&file, text).unwrap();
+    super::difference_in_mujoco(&file, case, &["pan", "lift", "elbow", "wrist"])
 }
 
 #[test]
 fn a_model_without_bodies_corrects_nothing() {
-    let (case, provenance) = (case_of(OWN), provenance());
+    let case = case_of(OWN);
     let original = original(OWN, Format::Mjcf);
-    let bare = Source { standard: None, ..source(&case, &provenance) };
+    let bare = Source { standard: None, ..source(&case) };
     assert!(matches!(correct(&bare, &original).unwrap_err(), ExportError::NoBodies));
 }

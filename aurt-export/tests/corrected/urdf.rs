@@ -1,54 +1,20 @@
 //! The user's own URDF file with its dynamics corrected.
 
 use aurt_export::into::{Corrected, Format, correct};
-use aurt_rbd::robots::DescribedRobot;
-use aurt_rbd::{ChainDynamics, SerialChain};
 
 use super::{
-    super::{
-        models::{Case, case, checks},
-        provenance, source,
-    },
-    original,
+    super::{models::Case, source},
+    around_heading, case_of, original, read,
 };
 
 const OWN: &str = include_str!("own.urdf");
-const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
-
-fn read(text: &str) -> DescribedRobot {
-    aurt_rbd::robots::parse(text, "own.urdf", None, Some("tool")).unwrap()
-}
-
-/// A model with links heavier than what the file states, so that something is left for every body.
-fn case_of(text: &str) -> Case {
-    let mut case = case(SerialChain::new(read(text).joints, GRAVITY_M_S2).unwrap(), true);
-    let stated = read(text).standard_parameters.unwrap();
-    case.standard.iter_mut().zip(stated).for_each(|(sum, value)| *sum += value);
-    case
-}
 
 fn corrected(text: &str, case: &Case) -> Corrected {
-    let provenance = provenance();
-    correct(&source(case, &provenance), &original(text, Format::Urdf)).unwrap()
+    correct(&source(case), &original(text, Format::Urdf)).unwrap()
 }
 
-/// The largest difference of the torques of a file's bodies from those of the model, relative to the largest torque.
 fn difference(text: &str, case: &Case) -> f64 {
-    let robot = read(text);
-    let chain = SerialChain::new(robot.joints, GRAVITY_M_S2).unwrap();
-    let mut described = ChainDynamics::new(chain, &robot.standard_parameters.unwrap()).unwrap();
-    let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
-    let (mut found, mut wanted) = (vec![0.0; 4], vec![0.0; 4]);
-    let (mut worst, mut size) = (0.0_f64, 0.0_f64);
-    for check in checks(case, 32) {
-        described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
-        bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
-        for (found, wanted) in found.iter().zip(&wanted) {
-            worst = worst.max((found - wanted).abs());
-            size = size.max(wanted.abs());
-        }
-    }
-    worst / size
+    case.difference(&read(text))
 }
 
 /// The lines that have no dynamics of the chain.
@@ -71,19 +37,15 @@ fn a_corrected_urdf_file_needs_the_torques_of_the_model_and_is_else_the_same() {
     assert!(worst <= 1e-12, "{worst:e}");
 
     let robot = read(&text);
-    let parameter = |name: &str| {
-        let place = case.model.parameters().iter().position(|p| p.name == name);
-        case.coefficients[place.unwrap_or_else(|| panic!("no {name}"))]
-    };
+    let parameter = |name: &str| case.coefficient(name);
     assert_eq!(robot.friction[0].coulomb_nm, parameter("F_C0_0"));
     assert_eq!(robot.friction[2].viscous_nm_s_rad, 0.0);
     assert_eq!(robot.limits, read(OWN).limits);
 
     // The comment comes before the robot; inertias and friction of the chain are the only other changes.
-    let heading = text.find("<!--\n  Dynamics corrected by `aurt export urdf`").unwrap();
-    let end = text[heading..].find("-->\n").unwrap() + heading + 4;
-    assert!(text[end..].starts_with("<robot name = 'own'>"));
-    let without_heading = format!("{}{}", &text[..heading], &text[end..]);
+    let [before, after] = around_heading(&text, "<!--\n  Dynamics corrected by `aurt export urdf`");
+    assert!(after.starts_with("<robot name = 'own'>"));
+    let without_heading = format!("{before}{after}");
     assert_eq!(untouched(&without_heading), untouched(OWN));
     for same in [
         "<!-- weighed in 2019 -->",
@@ -109,10 +71,9 @@ fn a_corrected_urdf_file_needs_the_torques_of_the_model_and_is_else_the_same() {
 
 #[test]
 fn files_that_are_no_urdf_or_follow_other_joints_are_refused() {
-    let (case, provenance) = (case_of(OWN), provenance());
-    let refusal = |text: &str| {
-        correct(&source(&case, &provenance), &original(text, Format::Urdf)).unwrap_err().to_string()
-    };
+    let case = case_of(OWN);
+    let refusal =
+        |text: &str| correct(&source(&case), &original(text, Format::Urdf)).unwrap_err().to_string();
     assert!(refusal("<mujoco/>").contains("<mujoco>, and <robot> of URDF is wanted"));
     let coupled = OWN.replace("<safety_controller k_velocity=\"1\"/>", "<mimic joint=\"pan\"/>");
     assert!(refusal(&coupled).contains("follow others (mimic)"), "{}", refusal(&coupled));

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use aurt_export::{Export, rust};
 
-use super::{models::*, provenance, source, write};
+use super::{models::*, source, write};
 
 /// Runs the test of an export; nothing where there is no cargo.
 fn tested(export: &Export) -> Option<Output> {
@@ -34,23 +34,22 @@ pub fn passes(name: &str, export: &Export, comparisons: usize) {
 
 #[test]
 fn the_crate_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
-    let provenance = provenance();
     for (case, name) in
         [(case(arm(), true), "arm"), (case(gantry(), false), "gantry"), (case(two_arms(), true), "two arms")]
     {
-        passes(name, &rust::export(&source(&case, &provenance), &checks(&case, 32)).unwrap(), 7);
+        passes(name, &rust::export(&source(&case), &checks(&case, 32)).unwrap(), 7);
     }
 }
 
 #[test]
 fn the_crate_of_friction_with_memory_predicts_what_the_models_do() {
-    let (case, provenance) = (case_with_memory(arm()), provenance());
+    let case = case_with_memory(arm());
     let stored = checks_along_a_path(&case, 400);
-    passes("arm", &rust::export(&source(&case, &provenance), &stored).unwrap(), 5);
+    passes("arm", &rust::export(&source(&case), &stored).unwrap(), 5);
     // The order of the samples matters: the same states in another order have another torque.
     let mut turned = stored;
     turned.swap(120, 121);
-    let Some(run) = tested(&rust::export(&source(&case, &provenance), &turned).unwrap()) else { return };
+    let Some(run) = tested(&rust::export(&source(&case), &turned).unwrap()) else { return };
     let text = String::from_utf8_lossy(&run.stderr);
     assert!(!run.status.success() && text.contains("differs by"), "{text}");
 }
@@ -58,8 +57,8 @@ fn the_crate_of_friction_with_memory_predicts_what_the_models_do() {
 /// The source has neither `std` nor an allocator, and of `libm` no more than a crate of these names has.
 #[test]
 fn the_crate_needs_no_standard_library() {
-    let (case, provenance) = (case_with_memory(gantry()), provenance());
-    let export = rust::export(&source(&case, &provenance), &checks(&case, 2)).unwrap();
+    let case = case_with_memory(gantry());
+    let export = rust::export(&source(&case), &checks(&case, 2)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     write(&export, folder.path());
     let functions = ["cos(x)", "exp(x)", "expm1(x)", "fabs(x)", "log1p(x)", "sin(x)", "sqrt(x)", "tanh(x)"]

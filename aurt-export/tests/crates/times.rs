@@ -4,7 +4,7 @@ use std::{path::Path, process::Command};
 
 use aurt_export::{Export, c, rust};
 
-use super::super::{models::*, provenance, source, write};
+use super::super::{models::*, source, write};
 
 const FUNCTIONS: [&str; 4] = ["torque", "rigid_body_torque", "mass_matrix", "regressor"];
 
@@ -53,8 +53,8 @@ fn run(folder: &Path, program: &str, arguments: &[&str]) -> String {
 #[test]
 #[ignore = "times differ from machine to machine; docs/export.md has those of one"]
 fn times_of_the_crate_and_of_the_c() {
-    let (case, provenance) = (case(arm(), true), provenance());
-    let source = source(&case, &provenance);
+    let case = case(arm(), true);
+    let source = source(&case);
     let folder = tempfile::tempdir().unwrap();
     let stored = checks(&case, 1);
     for Export { files, lost, notes } in

@@ -28,7 +28,8 @@ use aurt_friction::{
     },
     viscous::{polynomial::Polynomial, saturating::Saturating},
 };
-use aurt_rbd::{Joint, LinkBody, Parent, Placement, SerialChain, base_parameters};
+use aurt_rbd::robots::DescribedRobot;
+use aurt_rbd::{ChainDynamics, Joint, LinkBody, Parent, Placement, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, JointStack, LoadTorque, Motion, RobotModel, RobotState, RobotTile};
 
 /// Numbers between −1 and 1 (the constants are Knuth's MMIX).
@@ -52,6 +53,32 @@ pub struct Case {
     pub load: LoadTorque,
     pub standard: Vec<f64>,
     pub chain: SerialChain,
+}
+
+impl Case {
+    /// The coefficient of a name.
+    pub fn coefficient(&self, name: &str) -> f64 {
+        let place = self.model.parameters().iter().position(|p| p.name == name);
+        self.coefficients[place.unwrap_or_else(|| panic!("no {name}"))]
+    }
+
+    /// The largest difference of the torques of a file's bodies from those of this one's, relative to the largest torque.
+    pub fn difference(&self, read: &DescribedRobot) -> f64 {
+        let chain = SerialChain::new(read.joints.clone(), self.chain.gravity_m_s2()).unwrap();
+        let mut described = ChainDynamics::new(chain, read.standard_parameters.as_ref().unwrap()).unwrap();
+        let mut bodies = ChainDynamics::new(self.chain.clone(), &self.standard).unwrap();
+        let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
+        let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+        for check in checks(self, 32) {
+            described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
+            bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
+            for (f, w) in found.iter().zip(&wanted) {
+                worst = worst.max((f - w).abs());
+                size = size.max(w.abs());
+            }
+        }
+        worst / size
+    }
 }
 
 fn mdh(alpha_rad: f64, a_m: f64, d_m: f64) -> Joint {

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeMap,
     io::{Cursor, Read, Write},
     path::Path,
-    process::{Command, Output, Stdio},
+    process::{Output, Stdio},
 };
 
 use aurt_export::{
@@ -18,7 +18,7 @@ use super::models::{
     Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
     gantry, half_of_gravity, two_arms,
 };
-use super::{named_by_other_people, provenance, source};
+use super::{compile, compiled, named_by_other_people, source};
 
 pub fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
@@ -38,10 +38,10 @@ pub fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
 
 #[test]
 fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
-    let (case, provenance) = (case(gantry(), true), provenance());
+    let case = case(gantry(), true);
     for kind in [Kind::Inverse, Kind::Forward] {
-        let fmu = export(&source(&case, &provenance), kind).unwrap();
-        assert_eq!(fmu, export(&source(&case, &provenance), kind).unwrap());
+        let fmu = export(&source(&case), kind).unwrap();
+        assert_eq!(fmu, export(&source(&case), kind).unwrap());
         assert_eq!(fmu.file, "machine.fmu");
         let files = files(&fmu);
         let xml = text(&files, "modelDescription.xml");
@@ -66,29 +66,26 @@ fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
     }
 }
 
+/// Writes the sources of a unit to a folder; the names of those to be compiled.
+fn write_sources(files: &BTreeMap<String, Vec<u8>>, folder: &Path) -> Vec<String> {
+    let sources = files.iter().filter_map(|(name, text)| Some((name.strip_prefix("sources/")?, text)));
+    let written = sources.inspect(|(name, text)| std::fs::write(folder.join(name), text).unwrap());
+    written.map(|(name, _)| name.to_owned()).filter(|name| name.ends_with(".c")).collect()
+}
+
 /// Whether the C of a unit passes a strict look; nothing where there is no C compiler.
 fn compiles_strictly(files: &BTreeMap<String, Vec<u8>>) {
     let folder = tempfile::tempdir().unwrap();
-    let mut look = Command::new("cc");
-    look.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"]);
-    for (name, contents) in files {
-        if let Some(name) = name.strip_prefix("sources/") {
-            std::fs::write(folder.path().join(name), contents).unwrap();
-            if name.ends_with(".c") {
-                look.arg(name);
-            }
-        }
-    }
-    match look.current_dir(folder.path()).output() {
-        Ok(look) => assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr)),
-        Err(error) => println!("skipped: there is no C compiler `cc` ({error})"),
+    let sources = write_sources(files, folder.path());
+    if let Some(look) = compile("cc", folder.path(), &sources, &["-fsyntax-only"]) {
+        assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr));
     }
 }
 
 #[test]
 fn variables_have_names_units_and_start_values() {
-    let (case, provenance) = (case(gantry(), true), provenance());
-    let fmu = export(&source(&case, &provenance), Kind::Forward).unwrap();
+    let case = case(gantry(), true);
+    let fmu = export(&source(&case), Kind::Forward).unwrap();
     let xml = text(&files(&fmu), "modelDescription.xml");
     let document = roxmltree::Document::parse(&xml).unwrap();
     let find = |name: &str, key: &str| {
@@ -115,8 +112,8 @@ fn variables_have_names_units_and_start_values() {
 
 #[test]
 fn what_cannot_be_a_unit_is_refused_by_name() {
-    let (case, provenance) = (case(gantry(), true), provenance());
-    let good = source(&case, &provenance);
+    let case = case(gantry(), true);
+    let good = source(&case);
     let refusal = |source: &Source<'_>, kind| export(source, kind).unwrap_err();
     for name in ["my robot", "component", "double"] {
         assert!(
@@ -143,35 +140,11 @@ fn what_cannot_be_a_unit_is_refused_by_name() {
 /// compiler.
 fn driven(fmu: &Fmu, arguments: &[String], lines: &str) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
-    for (name, contents) in files(fmu) {
-        if let Some(name) = name.strip_prefix("sources/") {
-            std::fs::write(folder.path().join(name), contents).unwrap();
-        }
-    }
+    let mut sources = write_sources(&files(fmu), folder.path());
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/units/drive.c");
     std::fs::copy(drive, folder.path().join("drive.c")).unwrap();
-    let sources = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name());
-    let sources: Vec<_> = sources.filter(|f| f.to_string_lossy().ends_with(".c")).collect();
-    let compile = |more: &[&str]| {
-        Command::new("cc")
-            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"])
-            .args(more)
-            .args(&sources)
-            .args(["-o", "drive", "-lm"])
-            .current_dir(folder.path())
-            .output()
-    };
-    let mut compiled = compile(&["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
-    // The libraries of the sanitizers are not installed everywhere.
-    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
-        compiled = compile(&[]);
-    }
-    let Ok(compiled) = compiled else {
-        println!("skipped: there is no C compiler `cc`");
-        return None;
-    };
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    let mut run = Command::new(folder.path().join("drive"))
+    sources.push("drive.c".into());
+    let mut run = compiled(folder.path(), &sources)?
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -197,21 +170,27 @@ fn largest(a: impl Iterator<Item = f64>) -> f64 {
     a.fold(0.0, |m, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
 }
 
+/// The largest difference of torques, relative to the largest.
+fn apart(found: &[Vec<f64>], stored: &[Check]) -> f64 {
+    assert_eq!(found.len(), stored.len());
+    let pairs = found.iter().zip(stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
+    let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
+    largest(pairs.map(|(f, s)| f - s)) / size
+}
+
+fn states(stored: &[Check]) -> String {
+    stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect()
+}
+
 #[test]
 fn an_inverse_unit_gives_the_torques_of_the_model() {
-    let provenance = provenance();
     let cases = [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")];
     for (case, name) in cases.into_iter().chain([(named_by_other_people(), "arm with names of other people")])
     {
         let stored = checks_along_a_path(&case, 300);
-        let fmu = export(&source(&case, &provenance), Kind::Inverse).unwrap();
-        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
-        let Some(run) = driven(&fmu, &["0.01".into()], &lines) else { return };
-        let found = rows(&run);
-        assert_eq!(found.len(), stored.len());
-        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
-        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
-        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        let fmu = export(&source(&case), Kind::Inverse).unwrap();
+        let Some(run) = driven(&fmu, &["0.01".into()], &states(&stored)) else { return };
+        let worst = apart(&rows(&run), &stored);
         println!("{name}: largest difference of the torque {worst:e}, relative to the largest");
         assert!(worst <= 1e-12, "{name}: {worst:e}");
     }
@@ -227,13 +206,12 @@ fn set(fmu: &Fmu, name: &str, value: f64) -> String {
 
 #[test]
 fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
-    let provenance = provenance();
     let (lighter, loaded) = (half_of_gravity(arm()), Load { mass_kg: 1.7, at_m: [0.03, -0.02, 0.11] });
     let nothing = Load { mass_kg: 0.0, ..loaded };
     let mut coefficient = case(arm(), true);
     let place = coefficient.model.base().len() + 2;
     let name = coefficient.model.parameters()[place].name.clone();
-    let unit = export(&source(&coefficient, &provenance), Kind::Inverse).unwrap();
+    let unit = export(&source(&coefficient), Kind::Inverse).unwrap();
     let changed = set(&unit, &name, 7.5);
     coefficient.coefficients[place] = 7.5;
     let [x, y, z] = loaded.at_m;
@@ -242,8 +220,8 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
             .map(|(name, value)| set(unit, name, value))
             .to_vec()
     };
-    let heavy = export(&source(&case(arm(), true), &provenance), Kind::Inverse).unwrap();
-    let empty = export(&source(&case_with_load(arm(), nothing), &provenance), Kind::Inverse).unwrap();
+    let heavy = export(&source(&case(arm(), true)), Kind::Inverse).unwrap();
+    let empty = export(&source(&case_with_load(arm(), nothing)), Kind::Inverse).unwrap();
     let half = set(&heavy, "gravity_m_s2", 0.5 * (9.81_f64.powi(2) + 0.09).sqrt());
     for (what, unit, arguments, other) in [
         ("a coefficient", &unit, vec![changed], coefficient),
@@ -251,13 +229,9 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
         ("a load", &empty, of_load(&empty), case_with_load(arm(), loaded)),
     ] {
         let stored = checks_along_a_path(&other, 60);
-        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
         let arguments: Vec<String> = std::iter::once("0.01".to_owned()).chain(arguments).collect();
-        let Some(run) = driven(unit, &arguments, &lines) else { return };
-        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
-        let found = rows(&run);
-        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
-        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        let Some(run) = driven(unit, &arguments, &states(&stored)) else { return };
+        let worst = apart(&rows(&run), &stored);
         assert!(worst <= 1e-12, "{what}: {worst:e}");
     }
 }
@@ -265,7 +239,6 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
 /// The same torques drive the unit and the solver of `aurt simulate`; the largest differences of their positions and
 /// velocities.
 fn distance(case: &Case, stored: &[Check], step_s: f64) -> Option<[f64; 2]> {
-    let provenance = provenance();
     let joints = case.model.joints();
     let series = |of: fn(&Check) -> &Vec<f64>| -> Vec<f64> {
         (0..joints).flat_map(|j| stored.iter().map(move |c| of(c)[j])).collect()
@@ -279,7 +252,7 @@ fn distance(case: &Case, stored: &[Check], step_s: f64) -> Option<[f64; 2]> {
     let moved = moved.unwrap_or_else(|error| panic!("{error}"));
     println!("{} evaluations of the model in {} s", moved.evaluations, moved.time_s[moved.time_s.len() - 1]);
 
-    let fmu = export(&source(case, &provenance), Kind::Forward).unwrap();
+    let fmu = export(&source(case), Kind::Forward).unwrap();
     let lines: String = stored
         .windows(2)
         .map(|pair| {
@@ -331,7 +304,6 @@ fn a_forward_unit_moves_as_the_simulation_does() {
 
 #[test]
 fn an_arm_that_is_let_go_falls_and_one_whose_friction_bears_its_weight_rests() {
-    let provenance = provenance();
     let heavy = || case_with_load(arm(), Load { mass_kg: 5.0, at_m: [0.1, 0.0, 0.0] });
     for (mut case, share, falls) in [
         (heavy(), 0.05, true),
@@ -349,7 +321,7 @@ fn an_arm_that_is_let_go_falls_and_one_whose_friction_bears_its_weight_rests() {
                 *value *= share;
             }
         }
-        let fmu = export(&source(&case, &provenance), Kind::Forward).unwrap();
+        let fmu = export(&source(&case), Kind::Forward).unwrap();
         let joints = case.model.joints();
         let lines = line(&[&vec![0.0; 2 * joints]]).repeat(60);
         let Some(run) = driven(&fmu, &["0.005".into()], &lines) else { return };

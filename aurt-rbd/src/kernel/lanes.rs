@@ -50,6 +50,17 @@ macro_rules! each_lane {
 }
 
 macro_rules! lanes {
+    (@operator $(#[$attribute:meta])* $name:ident, $lanes:tt, $trait:ident, $function:ident, $operator:tt) => {
+        $(#[$attribute])*
+        impl $trait for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                each_lane!($lanes, L => self.0[L] $operator other.0[L])
+            }
+        }
+    };
     ($(#[$attribute:meta])* $name:ident, $lanes:tt, $bytes:literal, $mul_add:ident) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy)]
@@ -109,35 +120,9 @@ macro_rules! lanes {
             }
         }
 
-        $(#[$attribute])*
-        impl Add for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn add(self, other: Self) -> Self {
-                each_lane!($lanes, L => self.0[L] + other.0[L])
-            }
-        }
-
-        $(#[$attribute])*
-        impl Sub for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn sub(self, other: Self) -> Self {
-                each_lane!($lanes, L => self.0[L] - other.0[L])
-            }
-        }
-
-        $(#[$attribute])*
-        impl Mul for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn mul(self, other: Self) -> Self {
-                each_lane!($lanes, L => self.0[L] * other.0[L])
-            }
-        }
+        lanes!(@operator $(#[$attribute])* $name, $lanes, Add, add, +);
+        lanes!(@operator $(#[$attribute])* $name, $lanes, Sub, sub, -);
+        lanes!(@operator $(#[$attribute])* $name, $lanes, Mul, mul, *);
 
         $(#[$attribute])*
         impl Neg for $name {

@@ -7,15 +7,11 @@ pub(super) type Vector<T> = [T; 3];
 /// Real robots turn by right angles about x almost everywhere, which costs nothing but a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Turn {
-    Straight,
-    /// By +90° about x.
-    Up,
-    /// By −90° about x.
-    Down,
-    /// By any angle about x: its cosine and sine.
-    AboutX(f64, f64),
-    /// Any other, as a matrix.
-    Any([[f64; 3]; 3]),
+    Straight(Straight),
+    Up(Up),
+    Down(Down),
+    AboutX(AboutX),
+    Any(Any),
 }
 
 impl Turn {
@@ -23,11 +19,11 @@ impl Turn {
     pub fn of(r: &[[f64; 3]; 3]) -> Self {
         let about_x = r[0] == [1.0, 0.0, 0.0] && r[1][0] == 0.0 && r[2][0] == 0.0;
         match (about_x, r[1][1], r[2][1]) {
-            (true, 1.0, 0.0) => Self::Straight,
-            (true, 0.0, 1.0) => Self::Up,
-            (true, 0.0, -1.0) => Self::Down,
-            (true, cosine, sine) => Self::AboutX(cosine, sine),
-            (false, ..) => Self::Any(*r),
+            (true, 1.0, 0.0) => Self::Straight(Straight),
+            (true, 0.0, 1.0) => Self::Up(Up),
+            (true, 0.0, -1.0) => Self::Down(Down),
+            (true, cosine, sine) => Self::AboutX(AboutX(cosine, sine)),
+            (false, ..) => Self::Any(Any(*r)),
         }
     }
 }
@@ -35,21 +31,20 @@ impl Turn {
 /// The constant translation of a placement, in the new frame's axes, in the cheapest form that it has.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shift {
-    Nowhere,
-    AlongX(f64),
-    AlongZ(f64),
-    /// Any other.
-    Anywhere([f64; 3]),
+    Nowhere(Nowhere),
+    AlongX(AlongX),
+    AlongZ(AlongZ),
+    Anywhere(Anywhere),
 }
 
 impl Shift {
     /// The cheapest form of a translation.
     pub fn of(p: [f64; 3]) -> Self {
         match p {
-            [0.0, 0.0, 0.0] => Self::Nowhere,
-            [x, 0.0, 0.0] => Self::AlongX(x),
-            [0.0, 0.0, z] => Self::AlongZ(z),
-            _ => Self::Anywhere(p),
+            [0.0, 0.0, 0.0] => Self::Nowhere(Nowhere),
+            [x, 0.0, 0.0] => Self::AlongX(AlongX(x)),
+            [0.0, 0.0, z] => Self::AlongZ(AlongZ(z)),
+            _ => Self::Anywhere(Anywhere(p)),
         }
     }
 }
@@ -59,26 +54,11 @@ impl Shift {
 macro_rules! with_turn {
     ($turn_of:expr, $turn:ident => $body:expr) => {
         match $turn_of {
-            $crate::kernel::turn::Turn::Straight => {
-                let $turn = $crate::kernel::turn::Straight;
-                $body
-            }
-            $crate::kernel::turn::Turn::Up => {
-                let $turn = $crate::kernel::turn::Up;
-                $body
-            }
-            $crate::kernel::turn::Turn::Down => {
-                let $turn = $crate::kernel::turn::Down;
-                $body
-            }
-            $crate::kernel::turn::Turn::AboutX(cosine, sine) => {
-                let $turn = $crate::kernel::turn::AboutX(cosine, sine);
-                $body
-            }
-            $crate::kernel::turn::Turn::Any(matrix) => {
-                let $turn = $crate::kernel::turn::Any(matrix);
-                $body
-            }
+            $crate::kernel::turn::Turn::Straight($turn) => $body,
+            $crate::kernel::turn::Turn::Up($turn) => $body,
+            $crate::kernel::turn::Turn::Down($turn) => $body,
+            $crate::kernel::turn::Turn::AboutX($turn) => $body,
+            $crate::kernel::turn::Turn::Any($turn) => $body,
         }
     };
 }
@@ -87,22 +67,10 @@ macro_rules! with_turn {
 macro_rules! with_shift {
     ($shift_of:expr, $shift:ident => $body:expr) => {
         match $shift_of {
-            $crate::kernel::turn::Shift::Nowhere => {
-                let $shift = $crate::kernel::turn::Nowhere;
-                $body
-            }
-            $crate::kernel::turn::Shift::AlongX(x) => {
-                let $shift = $crate::kernel::turn::AlongX(x);
-                $body
-            }
-            $crate::kernel::turn::Shift::AlongZ(z) => {
-                let $shift = $crate::kernel::turn::AlongZ(z);
-                $body
-            }
-            $crate::kernel::turn::Shift::Anywhere(p) => {
-                let $shift = $crate::kernel::turn::Anywhere(p);
-                $body
-            }
+            $crate::kernel::turn::Shift::Nowhere($shift) => $body,
+            $crate::kernel::turn::Shift::AlongX($shift) => $body,
+            $crate::kernel::turn::Shift::AlongZ($shift) => $body,
+            $crate::kernel::turn::Shift::Anywhere($shift) => $body,
         }
     };
 }
@@ -115,15 +83,18 @@ pub(super) trait Turned: Copy {
     fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T>;
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Straight;
-#[derive(Clone, Copy)]
+/// By +90° about x.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Up;
-#[derive(Clone, Copy)]
+/// By −90° about x.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Down;
-#[derive(Clone, Copy)]
+/// By any angle about x: its cosine and sine.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AboutX(pub f64, pub f64);
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Any(pub [[f64; 3]; 3]);
 
 impl Turned for Straight {
@@ -173,13 +144,13 @@ pub(super) trait Shifted: Copy {
     fn swing<T: Lanes>(self, omega: &Vector<T>, v: &Vector<T>) -> Vector<T>;
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nowhere;
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AlongX(pub f64);
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AlongZ(pub f64);
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Anywhere(pub [f64; 3]);
 
 impl Shifted for Nowhere {

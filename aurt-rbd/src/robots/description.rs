@@ -4,8 +4,6 @@ use crate::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription
 use aurt_traits::{Branch, RigidBodyRegressor};
 use serde::{Deserialize, Serialize};
 
-use crate::robots::part::Part;
-
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct JointLimits {
@@ -108,5 +106,24 @@ impl DescribedRobot {
     #[must_use]
     pub fn kinds(&self) -> Vec<JointKind> {
         self.joints.iter().map(|joint| joint.kind).collect()
+    }
+}
+
+/// Which joints of a description move on its base; all others are fixed at zero.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Part {
+    /// All.
+    #[default]
+    All,
+    /// Those between the base and these links: one link gives a serial chain.
+    Tips(Vec<String>),
+    /// These, and those that follow them.
+    Joints(Vec<String>),
+}
+
+impl From<Option<&str>> for Part {
+    /// The chain to a tip; without one, all.
+    fn from(tip: Option<&str>) -> Self {
+        tip.map_or(Self::All, |tip| Self::Tips(vec![tip.to_owned()]))
     }
 }

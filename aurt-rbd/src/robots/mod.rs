@@ -7,7 +7,6 @@
 //! Files are read with limits ([`MOST_BYTES`], no document type, hence no entities); nothing that they refer to, such as
 //! meshes, is opened.
 
-mod body;
 mod description;
 mod element;
 mod error;
@@ -15,7 +14,6 @@ mod known;
 mod mdh;
 mod mjcf;
 mod parameters;
-mod part;
 mod places;
 mod pose;
 mod selection;
@@ -25,13 +23,12 @@ mod urdf;
 
 use std::path::Path;
 
-pub use description::{DescribedRobot, JointFriction, JointLimits};
+pub use description::{DescribedRobot, JointFriction, JointLimits, Part};
 pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
 pub use mdh::AsMdh;
 pub use mjcf::{PositionActuator, position_actuators};
 pub use parameters::ParameterFile;
-pub use part::Part;
 pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
 
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.

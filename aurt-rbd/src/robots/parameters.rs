@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-use crate::robots::body::Body;
-use crate::robots::pose::Pose;
+use crate::robots::pose::{Body, Pose};
 use crate::robots::tree::{Tree, TreeLink};
 use crate::robots::{RobotError, RobotErrors};
 

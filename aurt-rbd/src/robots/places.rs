@@ -134,7 +134,7 @@ fn body(tree: &Tree, part: &LinkPart) -> Option<PlacedBody> {
         start: place.body,
         inertial: place.inertial,
         welded: part.welded,
-        rotation: std::array::from_fn(|r| std::array::from_fn(|c| rotation[(r, c)])),
+        rotation: rotation.transpose().into(),
         origin_m: origin_m.into(),
         standard: part.standard,
     })

@@ -4,9 +4,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use crate::MOST_JOINTS;
-
 use crate::robots::RobotError;
-use crate::robots::part::Part;
+use crate::robots::description::Part;
 use crate::robots::tree::{Freedom, Tie, Tree};
 
 const MOST_NAMES: usize = 40;

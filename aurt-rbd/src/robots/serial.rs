@@ -150,10 +150,7 @@ pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<Descr
             .map(|joint| branch(tree, selection, &links, &own, *joint, has_masses))
             .chain(carriers(tree, selection.base, own.len()))
             .collect(),
-        frames: links
-            .iter()
-            .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
-            .collect(),
+        frames: links.iter().map(|link| link.turn.transpose().into()).collect(),
         notes,
     };
     match described.rigid_body([0.0; 3]) {

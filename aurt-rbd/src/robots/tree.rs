@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use nalgebra::Vector3;
 
-use crate::robots::body::Body;
-use crate::robots::pose::Pose;
+use crate::robots::pose::{Body, Pose};
 use crate::robots::{JointFriction, JointLimits};
 
 /// Links and the joints between them, as a file has them.

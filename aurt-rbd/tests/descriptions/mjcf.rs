@@ -81,21 +81,21 @@ fn refused(head: &str, body: &str) -> String {
     parse(&text, "bad.xml", None, None).unwrap_err().to_string()
 }
 
-const INERTIAL: &str = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
+const INERTIAL: &str = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 
 #[test]
 fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
-    let body = |inside: &str| format!("<body name=\"b\"><joint name=\"j\"/>{INERTIAL}{inside}</body>");
-    let whole = |inside: &str| format!("<body name=\"b\">{inside}</body>");
+    let body = |inside: &str| format!("<body name='b'><joint name='j'/>{INERTIAL}{inside}</body>");
+    let whole = |inside: &str| format!("<body name='b'>{inside}</body>");
     for (head, bodies, parts) in [
-        ("<compiler angle=\"grad\"/>", body(""), &["`angle` is `grad`", "degree and radian"][..]),
-        ("<compiler eulerseq=\"xyw\"/>", body(""), &["`eulerseq` is `xyw`"]),
-        ("<compiler settotalmass=\"3\"/>", body(""), &["`settotalmass` changes"]),
-        ("<include file=\"other.xml\"/>", body(""), &["bad.xml:2: <include>", "mj_saveLastXML"]),
-        ("", body("<replicate count=\"3\"/>"), &["<replicate>"]),
+        ("<compiler angle='grad'/>", body(""), &["`angle` is `grad`", "degree and radian"][..]),
+        ("<compiler eulerseq='xyw'/>", body(""), &["`eulerseq` is `xyw`"]),
+        ("<compiler settotalmass='3'/>", body(""), &["`settotalmass` changes"]),
+        ("<include file='other.xml'/>", body(""), &["bad.xml:2: <include>", "mj_saveLastXML"]),
+        ("", body("<replicate count='3'/>"), &["<replicate>"]),
         (
             "",
-            whole("<joint/><geom type=\"mesh\" mesh=\"m\"/>"),
+            whole("<joint/><geom type='mesh' mesh='m'/>"),
             &[
                 "bad.xml:4: body b, <geom>: its mass is that of a shape of the type `mesh`",
                 "<inertial>",
@@ -103,30 +103,26 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
                 "mj_saveLastXML",
             ],
         ),
-        ("", whole("<joint/><geom shellinertia=\"true\" size=\"1\"/>"), &["is that of a shell"]),
-        ("", whole("<joint/><geom type=\"box\" mesh=\"m\"/>"), &["fitted to a mesh"]),
-        ("", whole("<joint/><geom type=\"capsule\" size=\"1\"/>"), &["`size`"]),
-        ("", whole("<joint/><geom size=\"-1\"/>"), &["a sphere needs 1 `size`s above 0"]),
-        ("", whole("<joint/><geom size=\"1\" density=\"-1\"/>"), &["must not be negative"]),
-        ("", whole("<joint/><geom size=\"1\" class=\"none\"/>"), &["there is no class `none`"]),
-        ("", whole("<joint/><inertial pos=\"0 0 0\" mass=\"1\"/>"), &["lacks `diaginertia`"]),
-        (
-            "",
-            whole("<joint/><inertial pos=\"0 0 0\" diaginertia=\"1 1 1\"/>"),
-            &["lacks the attribute `mass`"],
-        ),
-        ("", whole(&format!("<joint axis=\"0 0 0\"/>{INERTIAL}")), &["axis has no direction"]),
-        ("", whole(&format!("<joint type=\"screw\"/>{INERTIAL}")), &["type `screw` is not known"]),
-        ("", whole(&format!("<joint damping=\"much\"/>{INERTIAL}")), &["`damping`", "`much`"]),
+        ("", whole("<joint/><geom shellinertia='true' size='1'/>"), &["is that of a shell"]),
+        ("", whole("<joint/><geom type='box' mesh='m'/>"), &["fitted to a mesh"]),
+        ("", whole("<joint/><geom type='capsule' size='1'/>"), &["`size`"]),
+        ("", whole("<joint/><geom size='-1'/>"), &["a sphere needs 1 `size`s above 0"]),
+        ("", whole("<joint/><geom size='1' density='-1'/>"), &["must not be negative"]),
+        ("", whole("<joint/><geom size='1' class='none'/>"), &["there is no class `none`"]),
+        ("", whole("<joint/><inertial pos='0 0 0' mass='1'/>"), &["lacks `diaginertia`"]),
+        ("", whole("<joint/><inertial pos='0 0 0' diaginertia='1 1 1'/>"), &["lacks the attribute `mass`"]),
+        ("", whole(&format!("<joint axis='0 0 0'/>{INERTIAL}")), &["axis has no direction"]),
+        ("", whole(&format!("<joint type='screw'/>{INERTIAL}")), &["type `screw` is not known"]),
+        ("", whole(&format!("<joint damping='much'/>{INERTIAL}")), &["`damping`", "`much`"]),
         (
             "",
             whole(&format!("<freejoint/>{INERTIAL}")),
             &["is a free joint, and models have joints of one degree of freedom"],
         ),
-        ("", whole(&format!("<joint class=\"none\"/>{INERTIAL}")), &["there is no class `none`"]),
-        ("", body("<body name=\"b\"/>"), &["the name `b` is taken"]),
-        ("", body("<body quat=\"0 0 0 0\"/>"), &["`quat` is zero"]),
-        ("", body("<body quat=\"1 0 0 0\" euler=\"0 0 0\"/>"), &["`quat` and `euler` are two orientations"]),
+        ("", whole(&format!("<joint class='none'/>{INERTIAL}")), &["there is no class `none`"]),
+        ("", body("<body name='b'/>"), &["the name `b` is taken"]),
+        ("", body("<body quat='0 0 0 0'/>"), &["`quat` is zero"]),
+        ("", body("<body quat='1 0 0 0' euler='0 0 0'/>"), &["`quat` and `euler` are two orientations"]),
         ("", String::new(), &["there is no <body>"]),
     ] {
         let message = refused(head, &bodies);
@@ -138,7 +134,7 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
     assert!(typed.contains("document type"), "{typed}");
     // Whoever starts the chain behind a free joint has one.
     let text = format!(
-        "<mujoco><worldbody><body name=\"a\"><freejoint/>{INERTIAL}{}</body></worldbody></mujoco>",
+        "<mujoco><worldbody><body name='a'><freejoint/>{INERTIAL}{}</body></worldbody></mujoco>",
         body("")
     );
     assert!(
@@ -153,10 +149,10 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
 #[test]
 fn what_acts_on_joints_beside_is_noted() {
     let text = format!(
-        "<mujoco><compiler inertiafromgeom=\"false\"/><worldbody><body name=\"a\" gravcomp=\"1\"><joint name=\"j\" \
-         stiffness=\"3\"/>{INERTIAL}<body name=\"c\"><joint name=\"k\"/><geom size=\"1\"/></body></body></worldbody>\
-         <tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon><option density=\"1.2\" wind=\"5 0 0\" \
-         gravity=\"3 0 -9\"><flag damper=\"disable\"/></option></mujoco>"
+        "<mujoco><compiler inertiafromgeom='false'/><worldbody><body name='a' gravcomp='1'><joint name='j' \
+         stiffness='3'/>{INERTIAL}<body name='c'><joint name='k'/><geom size='1'/></body></body></worldbody>\
+         <tendon><fixed><joint joint='j' coef='1'/></fixed></tendon><option density='1.2' wind='5 0 0' \
+         gravity='3 0 -9'><flag damper='disable'/></option></mujoco>"
     );
     let notes = parse(&text, "a.xml", None, None).unwrap().notes.join("\n");
     for part in [
@@ -177,54 +173,52 @@ fn what_acts_on_joints_beside_is_noted() {
 fn joints_follow_others_and_other_ties_are_refused() {
     let text = |equality: &str| {
         let joint = |name: &str, more: &str, inner: &str| {
-            format!("<body name=\"b{name}\"><joint name=\"{name}\" {more}/>{INERTIAL}{inner}</body>")
+            format!("<body name='b{name}'><joint name='{name}' {more}/>{INERTIAL}{inner}</body>")
         };
-        let (k, l) = (joint("k", "ref=\"90\"", ""), joint("l", "", ""));
+        let (k, l) = (joint("k", "ref='90'", ""), joint("l", "", ""));
         format!(
             "<mujoco><worldbody>{}</worldbody>\n<equality>{equality}</equality>\
-             <tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>",
+             <tendon><fixed name='t'><joint joint='j' coef='1'/></fixed></tendon></mujoco>",
             joint("j", "", &format!("{k}{l}"))
         )
     };
     let read = |equality: &str, tip: &str| parse(&text(equality), "a.xml", None, Some(tip));
-    let tied = "<joint joint1=\"k\" joint2=\"j\" polycoef=\"0.1 -2\"/>";
+    let tied = "<joint joint1='k' joint2='j' polycoef='0.1 -2'/>";
     let robot = read(tied, "bk").unwrap();
     let coupling = robot.couplings[1];
     assert_eq!((coupling.coordinate, coupling.multiplier), (0, -2.0));
     assert!((coupling.offset - (std::f64::consts::FRAC_PI_2 + 0.1)).abs() < 1e-12, "{coupling:?}");
-    assert_eq!(read("<joint joint1=\"k\" joint2=\"j\" active=\"false\"/>", "bk").unwrap().joints.len(), 2);
+    assert_eq!(read("<joint joint1='k' joint2='j' active='false'/>", "bk").unwrap().joints.len(), 2);
     for (equality, expected) in [
         (
-            "<joint joint1=\"k\" joint2=\"j\" polycoef=\"0 1 2 0 0\"/>",
+            "<joint joint1='k' joint2='j' polycoef='0 1 2 0 0'/>",
             "<joint>: lets a joint follow another by a polynomial",
         ),
-        ("<joint joint1=\"k\"/>", "holds a joint"),
-        ("<joint joint1=\"k\" joint2=\"x\"/>", "there is no joint `x`"),
-        ("<weld body1=\"bk\" body2=\"bl\"/>", "a.xml:2: <equality>, <weld>: closes a loop of bodies"),
-        ("<connect body1=\"bk\" anchor=\"0 0 0\"/>", "leave out the joint `k`"),
-        ("<tendon tendon1=\"t\"/>", "ties tendons"),
+        ("<joint joint1='k'/>", "holds a joint"),
+        ("<joint joint1='k' joint2='x'/>", "there is no joint `x`"),
+        ("<weld body1='bk' body2='bl'/>", "a.xml:2: <equality>, <weld>: closes a loop of bodies"),
+        ("<connect body1='bk' anchor='0 0 0'/>", "leave out the joint `k`"),
+        ("<tendon tendon1='t'/>", "ties tendons"),
     ] {
         let error = read(equality, "bk").unwrap_err().to_string();
         assert!(error.contains(expected), "{expected}: {error}");
     }
     // What is tied beside the chain does not matter.
-    assert_eq!(read("<weld body1=\"bk\" body2=\"bj\"/>", "bl").unwrap().joints.len(), 2);
+    assert_eq!(read("<weld body1='bk' body2='bj'/>", "bl").unwrap().joints.len(), 2);
 }
 
 /// Reading takes time in proportion to the file: what grows with its square would take minutes.
 #[test]
 fn files_of_many_bodies_are_read_at_once() {
     let body = |k: usize, hinge: &str| {
-        format!(
-            "<body name=\"b{k}\">{hinge}<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body>\n"
-        )
+        format!("<body name='b{k}'>{hinge}<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body>\n")
     };
-    let hinge = "<joint axis=\"0 0 1\"/>";
+    let hinge = "<joint axis='0 0 1'/>";
     let siblings: String = (0..40_000).map(|k| body(k, "")).collect();
     let moving: String = (0..40_000).map(|k| body(k, hinge)).collect();
     let begin = std::time::Instant::now();
     let of = |bodies: &str| {
-        format!("<mujoco><worldbody><body name=\"arm\">{hinge}{bodies}</body></worldbody></mujoco>")
+        format!("<mujoco><worldbody><body name='arm'>{hinge}{bodies}</body></worldbody></mujoco>")
     };
     let arm = parse(&of(&siblings), "many.xml", None, None).unwrap();
     assert_eq!(arm.standard_parameters.unwrap()[9], 40_000.0);
@@ -238,14 +232,14 @@ fn files_of_many_bodies_are_read_at_once() {
 fn classes_within_classes_take_no_more_than_they_state() {
     let begin = std::time::Instant::now();
     let of = |class: usize, inside: &str| {
-        let stated: String = (0..100).map(|k| format!(" c{class}_{k}=\"1\"")).collect();
-        format!("<default class=\"c{class}\"><joint{stated}/><geom{stated}/>{inside}</default>")
+        let stated: String = (0..100).map(|k| format!(" c{class}_{k}='1'")).collect();
+        format!("<default class='c{class}'><joint{stated}/><geom{stated}/>{inside}</default>")
     };
-    let leaves: String = (0..20_000).map(|k| format!("<default class=\"l{k}\"/>")).collect();
+    let leaves: String = (0..20_000).map(|k| format!("<default class='l{k}'/>")).collect();
     let classes = (1..200).rev().fold(leaves, |inside, class| of(class, &inside));
-    let classes = format!("<default><joint armature=\"0.5\"/>{classes}</default>");
-    let body = "<worldbody><body name=\"a\"><joint name=\"j\" class=\"l7\"/>\
-                <inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody>";
+    let classes = format!("<default><joint armature='0.5'/>{classes}</default>");
+    let body = "<worldbody><body name='a'><joint name='j' class='l7'/>\
+                <inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body></worldbody>";
     let arm = parse(&format!("<mujoco>{classes}{body}</mujoco>"), "deep.xml", None, None).unwrap();
     assert_eq!(arm.armature_kg_m2, [0.5]);
     assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
@@ -306,14 +300,14 @@ fn masses_of_shapes_are_those_of_mujoco() {
 fn actuators_of_positions_are_read_with_the_defaults_of_their_class_and_others_are_refused() {
     let file = |actuators: &str| {
         format!(
-            "<mujoco><default><default class=\"servo\"><position kp=\"17.8\" kv=\"0.2\" forcerange=\"-3.35 3.35\"/></default></default>\
+            "<mujoco><default><default class='servo'><position kp='17.8' kv='0.2' forcerange='-3.35 3.35'/></default></default>\
              <actuator>{actuators}</actuator></mujoco>"
         )
     };
     let read = |actuators: &str| aurt_rbd::robots::position_actuators(&file(actuators), "servo.xml");
     let found = read(
-        "<position class=\"servo\" joint=\"a\" forcerange=\"-2 2\"/>\
-         <general joint=\"b\" gainprm=\"10\" biastype=\"affine\" biasprm=\"0.5 -10 -0.3\" delay=\"0.02\"/>",
+        "<position class='servo' joint='a' forcerange='-2 2'/>\
+         <general joint='b' gainprm='10' biastype='affine' biasprm='0.5 -10 -0.3' delay='0.02'/>",
     )
     .unwrap();
     let [a, b] = &found[..] else { panic!("{found:?}") };
@@ -323,13 +317,10 @@ fn actuators_of_positions_are_read_with_the_defaults_of_their_class_and_others_a
     );
     assert_eq!((b.gain_nm_per_rad, b.braking_nm_s_per_rad, b.bias_nm, b.delay_s), (10.0, 0.3, 0.5, 0.02));
     for (actuator, said) in [
-        ("<motor joint=\"a\"/>", "no actuator of a position"),
-        (
-            "<general joint=\"a\" gainprm=\"10\" biastype=\"affine\" biasprm=\"0 -9 0\"/>",
-            "is not the stiffness 9",
-        ),
-        ("<general joint=\"a\" gainprm=\"10\"/>", "follows no position"),
-        ("<position joint=\"a\" kp=\"5\" dampratio=\"1\"/>", "`dampratio` is not read"),
+        ("<motor joint='a'/>", "no actuator of a position"),
+        ("<general joint='a' gainprm='10' biastype='affine' biasprm='0 -9 0'/>", "is not the stiffness 9"),
+        ("<general joint='a' gainprm='10'/>", "follows no position"),
+        ("<position joint='a' kp='5' dampratio='1'/>", "`dampratio` is not read"),
     ] {
         let refused = read(actuator).unwrap_err().to_string();
         assert!(refused.contains(said) && refused.contains("servo.xml:1"), "{refused}");

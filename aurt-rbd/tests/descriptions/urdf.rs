@@ -200,20 +200,12 @@ fn joints_that_follow_another_are_moved_by_it() {
 
 #[test]
 fn a_joint_that_follows_what_does_not_move_the_chain_is_refused() {
-    for (from, to, part) in [
-        (
-            "<mimic joint=\"extension\"/>",
-            "<mimic joint=\"extention\"/>",
-            "follows the joint extention (mimic), which is not there",
-        ),
-        ("<mimic joint=\"extension\"/>", "<mimic joint=\"extension_2\"/>", "follows this one in turn"),
-        (
-            "<mimic joint=\"extension\"/>",
-            "<mimic joint=\"extension\" multiplier=\"0\"/>",
-            "with the multiplier 0",
-        ),
+    for (to, part) in [
+        ("<mimic joint='extention'/>", "follows the joint extention (mimic), which is not there"),
+        ("<mimic joint='extension_2'/>", "follows this one in turn"),
+        ("<mimic joint='extension' multiplier='0'/>", "with the multiplier 0"),
     ] {
-        let text = COUPLED.replace(from, to);
+        let text = COUPLED.replace("<mimic joint=\"extension\"/>", to);
         let error = parse(&text, "coupled.urdf", None, Some("end")).unwrap_err().to_string();
         assert!(error.contains("joint extension_2:") && error.contains(part), "{part}\n---\n{error}");
         // By itself the chain ends before it.
@@ -238,96 +230,81 @@ fn names_that_are_no_links_and_chains_that_are_none() {
 
 /// A robot of two links with this joint between them, on line 4.
 fn two_links(joint: &str) -> String {
-    format!("<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n{joint}\n</robot>\n")
+    format!("<robot name='r'>\n<link name='a'/>\n<link name='b'/>\n{joint}\n</robot>\n")
 }
 
 #[test]
 fn every_fault_has_its_place_and_remedy() {
-    let ends = "<parent link=\"a\"/><child link=\"b\"/>";
-    let bomb =
-        "<!DOCTYPE robot [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>";
-    let outside =
-        "<!DOCTYPE robot [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>\n<robot name=\"r\">&a;</robot>";
+    let ends = "<parent link='a'/><child link='b'/>";
+    let joint = |kind: &str, inside: &str| {
+        two_links(&format!("<joint name='j' type='{kind}'>{ends}{inside}</joint>"))
+    };
+    let bomb = "<!DOCTYPE robot [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name='&b;'/>";
+    let outside = "<!DOCTYPE robot [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>\n<robot name='r'>&a;</robot>";
     for (text, part) in [
         (bomb.to_owned(), "arm.urdf:1: the file declares a document type"),
         (outside.to_owned(), "arm.urdf:1: the file declares a document type"),
         (String::new(), "is no well-formed XML"),
-        ("<robot name=\"r\">".to_owned(), "is no well-formed XML"),
+        ("<robot name='r'>".to_owned(), "is no well-formed XML"),
         ("alpha,a,d\n0,0,0\n".to_owned(), "is no well-formed XML"),
         ("<sdf/>".to_owned(), "the outermost element is <sdf>"),
         (
-            "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:include filename=\"a\"/></robot>"
+            "<robot xmlns:xacro='http://ros.org/wiki/xacro'>\n<xacro:include filename='a'/></robot>"
                 .to_owned(),
             "arm.urdf:2: `<xacro:include>` is xacro",
         ),
         ("<robot>\n<xacro:arm/></robot>".to_owned(), "expand it with `xacro arm.urdf > robot.urdf`"),
-        ("<robot name=\"r\"/>".to_owned(), "there are no links"),
+        ("<robot name='r'/>".to_owned(), "there are no links"),
         (two_links(""), "several links hang on no joint; choose one as the base: a, b"),
         (
-            two_links(&format!("<joint type=\"fixed\">{ends}</joint>")),
+            two_links(&format!("<joint type='fixed'>{ends}</joint>")),
             "arm.urdf:4: <joint>: lacks the attribute `name`",
         ),
         (
-            two_links(&format!("<joint name=\"j\" type=\"hinge\">{ends}</joint>")),
+            joint("hinge", ""),
             "arm.urdf:4: joint j: the type `hinge` is not known; known are revolute, continuous, prismatic",
         ),
         (
-            two_links("<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint>"),
+            two_links("<joint name='j' type='fixed'><parent link='a'/><child link='c'/></joint>"),
             "joint j, <child>: there is no link `c`",
         ),
+        (two_links("<joint name='j' type='fixed'><child link='b'/></joint>"), "joint j: lacks <parent link="),
+        (joint("revolute", "<axis xyz='0 0 0'/>"), "joint j, <axis>: the axis has no direction"),
         (
-            two_links("<joint name=\"j\" type=\"fixed\"><child link=\"b\"/></joint>"),
-            "joint j: lacks <parent link=",
-        ),
-        (
-            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<axis xyz=\"0 0 0\"/></joint>")),
-            "joint j, <axis>: the axis has no direction",
-        ),
-        (
-            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<axis xyz=\"0 1\"/></joint>")),
+            joint("revolute", "<axis xyz='0 1'/>"),
             "`xyz` must be 3 finite numbers with spaces between, is `0 1`",
         ),
         (
-            two_links(&format!(
-                "<joint name=\"j\" type=\"revolute\">{ends}<origin rpy=\"0 nan 0\"/></joint>"
-            )),
+            joint("revolute", "<origin rpy='0 nan 0'/>"),
             "`rpy` must be 3 finite numbers with spaces between, is `0 nan 0`",
         ),
+        (joint("revolute", "<limit effort='much'/>"), "`effort` must be a finite number, is `much`"),
         (
-            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<limit effort=\"much\"/></joint>")),
-            "`effort` must be a finite number, is `much`",
-        ),
-        (
-            two_links(&format!("<joint name=\"j\" type=\"floating\">{ends}</joint>")),
+            joint("floating", ""),
             "joint j: is floating, and models have joints of one degree of freedom on a fixed base (one that moves would need its pose \
              and the forces of its contacts); choose a base behind it: `b`",
         ),
         (
-            two_links(&format!(
-                "<joint name=\"j\" type=\"fixed\">{ends}</joint><joint name=\"j\" type=\"fixed\">{ends}</joint>"
-            )),
+            joint("fixed", &format!("</joint><joint name='j' type='fixed'>{ends}")),
             "joint j: the name is taken by line 4",
         ),
         (
-            two_links(&format!(
-                "<joint name=\"j\" type=\"fixed\">{ends}</joint><joint name=\"k\" type=\"fixed\">{ends}</joint>"
-            )),
+            joint("fixed", &format!("</joint><joint name='k' type='fixed'>{ends}")),
             "joint k: its child `b` hangs on the joint j as well; closed loops cannot be read",
         ),
         (
             two_links(
-                "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\
-                 <joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>",
+                "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>\
+                 <joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>",
             ),
             "the joints of these links form a loop without a base: a, b",
         ),
         (
-            "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/></inertial></link></robot>"
-                .to_owned(),
+            "<robot name='r'><link name='a'><inertial><mass value='1'/></inertial></link></robot>".to_owned(),
             "link a, <inertial>: lacks <inertia",
         ),
         (
-            "<robot name=\"r\"><link name=\"a\"><inertial><inertia ixx=\"1\"/></inertial></link></robot>"
+            "<robot name='r'><link name='a'><inertial><inertia ixx='1'/></inertial></link></robot>"
                 .to_owned(),
             "link a, <inertial>: lacks <mass",
         ),
@@ -338,8 +315,8 @@ fn every_fault_has_its_place_and_remedy() {
     }
     // Independent faults are reported together.
     let several = two_links(
-        "<joint name=\"j\" type=\"fixed\"><parent link=\"x\"/><child link=\"b\"/></joint>\n\
-         <joint name=\"k\" type=\"hinge\"><parent link=\"a\"/><child link=\"b\"/></joint>",
+        "<joint name='j' type='fixed'><parent link='x'/><child link='b'/></joint>\n\
+         <joint name='k' type='hinge'><parent link='a'/><child link='b'/></joint>",
     );
     assert_eq!(parse(&several, "arm.urdf", None, None).unwrap_err().0.len(), 2);
 }
@@ -377,15 +354,15 @@ fn files_that_are_no_text_or_too_large_are_refused() {
 
 /// A URDF file of one joint that moves and of more joints, each with its child, its parent and what it says.
 fn with_many(joints: impl Iterator<Item = [String; 4]>) -> String {
-    let end = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>\n";
+    let end = "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\n";
     let mut text = format!(
-        "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"first\" type=\"revolute\">\
-         <parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/>{end}"
+        "<robot name='r'>\n<link name='a'/>\n<link name='b'/>\n<joint name='first' type='revolute'>\
+         <parent link='a'/><child link='b'/><axis xyz='0 0 1'/>{end}"
     );
     for [kind, parent, child, more] in joints {
         text += &format!(
-            "<link name=\"{child}\"/>\n<joint name=\"to {child}\" type=\"{kind}\"><parent link=\"{parent}\"/>\
-             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/>{more}{end}"
+            "<link name='{child}'/>\n<joint name='to {child}' type='{kind}'><parent link='{parent}'/>\
+             <child link='{child}'/><axis xyz='0 0 1'/>{more}{end}"
         );
     }
     text + "</robot>"
@@ -396,29 +373,26 @@ fn with_many(joints: impl Iterator<Item = [String; 4]>) -> String {
 fn files_of_many_links_are_read_at_once() {
     const MANY: usize = 40_000;
     let begin = std::time::Instant::now();
-    let of = |kind: &str, parent: String, child: usize, more: String| {
-        [kind.to_owned(), parent, format!("l{child}"), more]
+    let many = |kind: &str, parent: fn(usize) -> String, more: fn(usize) -> String| {
+        with_many((0..MANY).map(|k| [kind.to_owned(), parent(k), format!("l{k}"), more(k)]))
     };
-    let mimic = |joint: String| format!("<mimic joint=\"{joint}\"/>");
-    let above = |k: usize| if k == 0 { "b".to_owned() } else { format!("l{}", k - 1) };
-    let before = |k: usize| if k == 0 { "first".to_owned() } else { format!("to l{}", k - 1) };
-    let after = |k: usize| format!("to l{}", k + 1);
-    let none = String::new;
+    let on_b = |_: usize| "b".to_owned();
+    let none = |_: usize| String::new();
+    fn above(k: usize) -> String {
+        if k == 0 { "b".to_owned() } else { format!("l{}", k - 1) }
+    }
     let comb = |k: usize| if k.is_multiple_of(2) { above(k.saturating_sub(1)) } else { above(k) };
+    let follows_before = |k: usize| {
+        let joint = if k == 0 { "first".to_owned() } else { format!("to l{}", k - 1) };
+        format!("<mimic joint='{joint}'/>")
+    };
+    let follows_after = |k: usize| format!("<mimic joint='to l{}'/>", k + 1);
     for (what, text, tip) in [
-        ("a star", with_many((0..MANY).map(|k| of("fixed", "b".into(), k, none()))), "l0"),
-        ("a chain", with_many((0..MANY).map(|k| of("fixed", above(k), k, none()))), "l39999"),
-        ("a comb", with_many((0..MANY).map(|k| of("fixed", comb(k), k, none()))), "l1"),
-        (
-            "a chain that follows",
-            with_many((0..MANY).map(|k| of("revolute", above(k), k, mimic(before(k))))),
-            "l39999",
-        ),
-        (
-            "joints that follow the next",
-            with_many((0..MANY).map(|k| of("revolute", above(k), k, mimic(after(k))))),
-            "b",
-        ),
+        ("a star", many("fixed", on_b, none), "l0"),
+        ("a chain", many("fixed", above, none), "l39999"),
+        ("a comb", many("fixed", comb, none), "l1"),
+        ("a chain that follows", many("revolute", above, follows_before), "l39999"),
+        ("joints that follow the next", many("revolute", above, follows_after), "b"),
     ] {
         assert_eq!(tips(&text, "many.urdf", None).unwrap()[0], tip, "{what}");
         let read = parse(&text, "many.urdf", None, None);
@@ -429,12 +403,12 @@ fn files_of_many_links_are_read_at_once() {
         }
         assert_eq!(read.unwrap().joint_names, ["first"], "{what}");
     }
-    let star = with_many((0..MANY).map(|k| of("revolute", "b".into(), k, none())));
+    let star = many("revolute", on_b, none);
     let error = parse_part(&star, "many.urdf", None, &Part::All).unwrap_err().to_string();
     assert!(error.contains("40001 joints move, of at most 128; choose a part"), "{error}");
     let error = parse(&star, "many.urdf", None, None).unwrap_err().to_string();
     assert!(error.contains("and 39960 more"), "{error}");
-    let twice = star.replace("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>");
+    let twice = star.replace("<axis xyz='0 0 1'/>", "<axis xyz='0 0 0'/>");
     assert_eq!(parse(&twice, "many.urdf", None, None).unwrap_err().0.len(), MANY + 1);
     assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
@@ -447,7 +421,7 @@ fn more_of_something_than_a_robot_has_is_refused_before_it_is_parsed() {
     let error = refused(&format!("<robot>\n<link name='a'{attributes}/></robot>"), None);
     assert!(error.contains("arm.urdf:2: ") && error.contains("300001 attributes"), "{error}");
     let nested = |n: usize| format!("{}{}", "<g>".repeat(n), "</g>".repeat(n));
-    let error = refused(&format!("<robot name=\"r\">\n{}</robot>", nested(100_000)), None);
+    let error = refused(&format!("<robot name='r'>\n{}</robot>", nested(100_000)), None);
     assert!(error.contains("arm.urdf:2: ") && error.contains("nested"), "{error}");
     let spaces: String = (0..2000).map(|k| format!("<link name='l{k}' xmlns:a{k}='b'/>")).collect();
     let error = refused(&format!("<robot>{spaces}</robot>"), None);

@@ -1,4 +1,5 @@
 use std::io::{Read, Seek, SeekFrom, copy};
+use std::path::{Path, PathBuf};
 
 use zstd::stream::read::Decoder;
 
@@ -7,9 +8,8 @@ use crate::bag::reading::read;
 use crate::bag::records::{Container, ZSTD};
 use crate::bag::sqlite::{SQLITE_MAGIC, SqliteFile};
 use crate::error::RecordingError;
-use crate::format::{BEGINNING_BYTES, RecordingFormat, RecordingInput, Visit, unreadable};
+use crate::format::{Reading, RecordingFormat, RecordingInput, unreadable};
 use crate::memory::Memory;
-use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Bags of ROS 2 with `sensor_msgs/msg/JointState` in CDR: MCAP, with chunks uncompressed, lz4 or zstd, and SQLite, which was
@@ -20,39 +20,21 @@ use crate::recording::Recording;
 /// the order of the message. Stamps are those of the messages' headers, or of the recorder if headers have none. Messages
 /// are decoded one by one, nothing is held. A file that breaks off is read up to there, and a remark says so; a database
 /// whose last messages are still in a journal beside it is refused.
-#[derive(Debug, Clone, Copy)]
-pub struct Bag;
-
-impl RecordingFormat for Bag {
-    fn name(&self) -> &'static str {
-        "bag of ROS 2"
-    }
-
-    fn endings(&self) -> &'static [&'static str] {
-        &["mcap", "db3", "zstd", "zst"]
-    }
-
-    fn recognises(&self, beginning: &[u8]) -> bool {
-        [MCAP_MAGIC, SQLITE_MAGIC, ZSTD].iter().any(|mark| beginning.starts_with(mark))
-    }
-
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError> {
-        let memory = Memory::of(input.path, input.bytes, options);
-        read(memory, vec![container(input, memory)?], options, piece_rows, visit)
-    }
-}
+pub const BAG: RecordingFormat = RecordingFormat {
+    name: "bag of ROS 2",
+    endings: &["mcap", "db3", "zstd", "zst"],
+    recognises: |beginning| [MCAP_MAGIC, SQLITE_MAGIC, ZSTD].iter().any(|mark| beginning.starts_with(mark)),
+    read: |input, reading| {
+        let memory = Memory::of(input.path, input.bytes, reading.options);
+        read(memory, vec![container(input, memory)?], reading)
+    },
+};
 
 /// A file of a bag by its first bytes.
 ///
 /// # Errors
 /// A file that is neither MCAP nor SQLite, and one that unpacks to more than the allowed memory.
-pub(super) fn container<'a>(
+fn container<'a>(
     input: RecordingInput<'a>,
     memory: Memory<'a>,
 ) -> Result<Box<dyn Container + 'a>, RecordingError> {
@@ -92,11 +74,67 @@ fn unpacked<'a>(
     let bytes = copy(&mut decoder.take(memory.allowed_bytes().saturating_add(1)), &mut file)
         .map_err(|error| damaged(error.to_string()))?;
     memory.claim("the unpacked file", bytes)?;
-    let mut beginning = Vec::new();
     file.seek(SeekFrom::Start(0)).map_err(spilled)?;
-    file.by_ref()
-        .take(BEGINNING_BYTES as u64)
-        .read_to_end(&mut beginning)
-        .map_err(|e| unreadable(path, e))?;
-    Ok(RecordingInput { path, beginning, bytes, file })
+    RecordingInput::begun(path, file, bytes)
+}
+
+/// Where rosbag2 describes a bag.
+const METADATA: &str = "metadata.yaml";
+/// Its key with the files of the bag, in their order.
+const FILES: &str = "relative_file_paths:";
+
+/// The folder of a bag of rosbag2: `metadata.yaml` and one or more files in MCAP or SQLite.
+#[derive(Debug)]
+pub(crate) struct BagFolder {
+    folder: PathBuf,
+    files: Vec<PathBuf>,
+}
+
+impl BagFolder {
+    /// The bag that a path names, if it names one: its folder, or the `metadata.yaml` in it.
+    ///
+    /// # Errors
+    /// A description that cannot be read or names no files.
+    pub(crate) fn named(path: &Path) -> Result<Option<Self>, RecordingError> {
+        let Some(file) = described(path) else { return Ok(None) };
+        let folder = file.parent().unwrap_or(Path::new("")).to_owned();
+        let text = aurt_files::read_text(&file, aurt_files::MOST_TEXT_BYTES)
+            .map_err(|source| unreadable(&file, source))?;
+        let files: Vec<PathBuf> = listed(&text).map(|name| folder.join(name)).collect();
+        if files.is_empty() && path.is_dir() {
+            // A recorder that was killed lists nothing; the refusal of the folder names the files in it.
+            return Ok(None);
+        }
+        if files.is_empty() {
+            return Err(RecordingError::malformed(
+                &file,
+                FILES,
+                "it lists no files of a bag",
+                "write it again with `ros2 bag reindex`, or name a file of the folder",
+            ));
+        }
+        Ok(Some(Self { folder, files }))
+    }
+
+    /// Reads the joint states of all files, one after another.
+    pub(crate) fn read(&self, reading: Reading<'_>) -> Result<Recording, RecordingError> {
+        let files = self.files.iter().map(|file| RecordingInput::open(file));
+        let files = files.collect::<Result<Vec<_>, _>>()?;
+        let memory = Memory::of(&self.folder, files.iter().map(|file| file.bytes).sum(), reading.options);
+        let files = files.into_iter().map(|file| container(file, memory)).collect::<Result<_, _>>()?;
+        read(memory, files, reading)
+    }
+}
+
+/// The description of the bag that a path names: in the folder, or the path itself.
+pub(crate) fn described(path: &Path) -> Option<PathBuf> {
+    let file = if path.ends_with(METADATA) { path.to_owned() } else { path.join(METADATA) };
+    file.is_file().then_some(file)
+}
+
+/// The file names in the list of a `metadata.yaml`; older versions put the folder before them.
+fn listed(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines().map(str::trim).skip_while(|line| *line != FILES).skip(1);
+    let items = lines.map_while(|line| line.strip_prefix("- "));
+    items.filter_map(|item| Path::new(item.trim_matches(['"', '\'', ' '])).file_name()?.to_str())
 }

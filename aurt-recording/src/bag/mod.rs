@@ -2,7 +2,6 @@
 
 mod cdr;
 mod container;
-mod folder;
 mod joint_state;
 mod joint_trajectory;
 mod joints;
@@ -13,5 +12,5 @@ mod records;
 mod sqlite;
 mod topics;
 
-pub use container::Bag;
-pub(crate) use folder::{BagFolder, described};
+pub use container::BAG;
+pub(crate) use container::{BagFolder, described};

@@ -4,7 +4,7 @@ use crate::bag::records::Container;
 use crate::bag::topics::Topic;
 use crate::csv::table::Table;
 use crate::error::RecordingError;
-use crate::format::Visit;
+use crate::format::Reading;
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
@@ -16,10 +16,9 @@ use crate::recording::Recording;
 pub(super) fn read(
     memory: Memory<'_>,
     files: Vec<Box<dyn Container + '_>>,
-    options: &ReadOptions,
-    piece_rows: usize,
-    visit: Visit<'_>,
+    reading: Reading<'_>,
 ) -> Result<Recording, RecordingError> {
+    let options = reading.options;
     let mut chosen = Vec::<(Box<dyn Container + '_>, Topic)>::new();
     let (mut said, mut missing) = (Vec::new(), None);
     let (path, count) = (memory.path(), files.len());
@@ -60,7 +59,7 @@ pub(super) fn read(
     };
     let mut all = vec![0.0; width];
     let mut rows = 0;
-    let mut recording = table.read(format, piece_rows, visit, &mut |row| {
+    let mut recording = table.read(format, reading, &mut |row| {
         if !joints.next(&mut all)? {
             return joints.never_finite(rows).map_or(Ok(false), |of| {
                 Err(RecordingError::malformed(

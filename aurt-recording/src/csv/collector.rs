@@ -1,13 +1,12 @@
 use std::path::Path;
 
-use crate::branches::{BranchMotion, BranchTrack};
+use crate::branches::BranchTrack;
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
-use crate::csv::late::Late;
 use crate::csv::plausibility::{self, Finding, Turns};
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
-use crate::recording::DroppedRow;
+use crate::recording::{DroppedRow, ReadReport, Recording};
 
 /// Corrupt rows of which line and reason are kept; of more, only the number.
 const KEPT_DETAILS: usize = 10_000;
@@ -34,7 +33,7 @@ pub(super) struct Collector<'a> {
     lines: Vec<u32>,
     rows: usize,
     dropped: Vec<Dropped>,
-    dropped_rows: usize,
+    report: ReadReport,
     /// Rows seen and left out when the share of the latter was judged last.
     judged: [usize; 2],
     /// Whether the latest row was kept.
@@ -43,26 +42,17 @@ pub(super) struct Collector<'a> {
     late: Option<Late>,
     /// What is added to stamps since the clock was set back.
     forward_s: f64,
-    /// First stamps since the clock was set back.
-    set_back_s: Vec<f64>,
     /// Whether rows were handed out.
     begun: bool,
     /// The first second of stamps that are in two columns.
     first_second: Option<f64>,
     turns: Vec<Turns>,
     branches: Vec<BranchTrack>,
-    irregularities: Vec<String>,
-    remarks: Vec<String>,
     /// Whether rows that lack a number are left out on request.
     drops: bool,
-    /// Rows that were left out on request.
-    rows_without_numbers: usize,
     /// Why the file is refused once all of its rows are counted.
     refused: Option<RecordingError>,
     refused_rows: usize,
-    repeated_rows: usize,
-    /// Lines of all rows that are not held.
-    absent: Vec<u32>,
 }
 
 struct Dropped {
@@ -85,26 +75,6 @@ fn shown(line: usize) -> u32 {
     u32::try_from(line).unwrap_or(u32::MAX)
 }
 
-/// What a file held.
-pub(super) struct Collected {
-    /// Time, positions, velocities, measurements, as far as they were selected.
-    pub(super) series: Vec<Vec<f64>>,
-    pub(super) dropped: Vec<DroppedRow>,
-    pub(super) dropped_rows: usize,
-    pub(super) rows_without_numbers: usize,
-    pub(super) repeated_rows: usize,
-    /// Lines of all rows that are not among the series.
-    pub(super) absent: Vec<u32>,
-    pub(super) irregularities: Vec<String>,
-    pub(super) remarks: Vec<String>,
-    /// Joints beside the chain that move.
-    pub(super) branches: Vec<BranchMotion>,
-    /// What was taken off the stamps, in s.
-    pub(super) origin_s: f64,
-    /// First stamps since the clock was set back.
-    pub(super) set_back_s: Vec<f64>,
-}
-
 impl<'a> Collector<'a> {
     /// A collector of the selected columns, with room for about `rows` rows.
     pub(super) fn new(selected: &'a Selected, options: &ReadOptions, rows: usize) -> Self {
@@ -121,24 +91,18 @@ impl<'a> Collector<'a> {
             limits,
             rows: 0,
             dropped: Vec::new(),
-            dropped_rows: 0,
+            report: ReadReport::default(),
             judged: [0; 2],
             follows: false,
             late: (!options.is_running).then(Late::default),
             forward_s: 0.0,
-            set_back_s: Vec::new(),
             begun: false,
             first_second: None,
             turns: vec![Turns::default(); selected.position.len()],
             branches: selected.branches.iter().map(|(joint, _)| BranchTrack::new(joint.clone())).collect(),
-            irregularities: Vec::new(),
-            remarks: Vec::new(),
             drops: options.recorded.drops_rows(),
-            rows_without_numbers: 0,
             refused: None,
             refused_rows: 0,
-            repeated_rows: 0,
-            absent: Vec::new(),
         }
     }
 
@@ -232,12 +196,12 @@ impl<'a> Collector<'a> {
             return 0.0;
         };
         let (first, line) = (late.rows[0].0[0], late.rows[0].1);
-        self.remarks.push(format!(
+        self.report.remarks.push(format!(
             "the clock was set back from {before:.3} s to {first:.3} s in line {line}: the recording is split there, and later \
              stamps are {moved_s:.3} s later"
         ));
         self.forward_s += moved_s;
-        self.set_back_s.push(first + moved_s);
+        self.report.set_back_s.push(first + moved_s);
         for (mut row, line) in late.rows {
             row[0] += moved_s;
             self.keep(&row, line);
@@ -266,8 +230,8 @@ impl<'a> Collector<'a> {
 
     /// Counts a row that is there already.
     fn repeat(&mut self, line: usize) {
-        self.repeated_rows += 1;
-        self.absent.push(shown(line));
+        self.report.repeated_rows += 1;
+        self.report.absent.push(shown(line));
     }
 
     /// Refuses the file because of a row, once all such rows are counted; a machine that runs on has no end.
@@ -291,8 +255,8 @@ impl<'a> Collector<'a> {
     pub(super) fn skip(&mut self, line: usize, column: usize) {
         self.rows += 1;
         if self.drops {
-            self.rows_without_numbers += 1;
-            return self.absent.push(shown(line));
+            self.report.rows_without_numbers += 1;
+            return self.report.absent.push(shown(line));
         }
         let place = self.columns.iter().position(|c| *c == column).unwrap_or(0);
         self.drop_row(line, place, Reason::NoNumber);
@@ -300,48 +264,40 @@ impl<'a> Collector<'a> {
 
     fn drop_row(&mut self, line: usize, place: usize, reason: Reason) {
         self.follows = false;
-        self.dropped_rows += 1;
-        self.absent.push(shown(line));
+        self.report.dropped_rows += 1;
+        self.report.absent.push(shown(line));
         if self.dropped.len() < KEPT_DETAILS {
             self.dropped.push(Dropped { line, place, reason });
         }
     }
 
-    /// The series without rows that their neighbours contradict; an error if too many rows were left out.
+    /// The recording without rows that their neighbours contradict; an error if too many rows were left out.
     pub(super) fn finish(
         mut self,
         path: &Path,
         header: &Header,
+        format: String,
         max_share: f64,
-    ) -> Result<Collected, RecordingError> {
+    ) -> Result<Recording, RecordingError> {
         self.refusal()?;
         self.settle(None);
         let series = self.piece(true);
         self.judge(path, header, max_share, [0; 2])?;
         self.dropped.sort_by_key(|d| d.line);
-        let dropped = self
-            .dropped
-            .iter()
-            .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
-            .collect();
-        let origin_s = self.first_second.unwrap_or(0.0);
-        let branches = self.branches.into_iter().filter_map(BranchTrack::motion).collect();
-        self.absent.sort_unstable();
-        let Self { dropped_rows, rows_without_numbers, repeated_rows, .. } = self;
-        let Self { absent, irregularities, remarks, set_back_s, .. } = self;
-        Ok(Collected {
-            series,
-            dropped,
-            dropped_rows,
-            rows_without_numbers,
-            repeated_rows,
-            absent,
-            irregularities,
-            remarks,
-            origin_s,
-            set_back_s,
-            branches,
-        })
+        let in_words = |d: &Dropped| DroppedRow { line: d.line, reason: self.in_words(d, header) };
+        let mut report = ReadReport {
+            format,
+            rows: self.rows,
+            columns: self.selected.in_words(header),
+            dropped: self.dropped.iter().map(in_words).collect(),
+            origin_s: self.first_second.unwrap_or(0.0),
+            branches: self.branches.into_iter().filter_map(BranchTrack::motion).collect(),
+            ..self.report
+        };
+        report.absent.sort_unstable();
+        report.remarks.splice(0..0, self.selected.remarks.iter().cloned());
+        report.irregularities.splice(0..0, self.selected.unread.clone());
+        Ok(self.selected.recording(path, series, report))
     }
 
     /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.
@@ -353,7 +309,7 @@ impl<'a> Collector<'a> {
     ) -> Result<(), RecordingError> {
         if self.rows - self.judged[0] >= JUDGED_ROWS {
             self.judge(path, header, max_share, self.judged)?;
-            self.judged = [self.rows, self.dropped_rows];
+            self.judged = [self.rows, self.report.dropped_rows];
         }
         Ok(())
     }
@@ -366,7 +322,7 @@ impl<'a> Collector<'a> {
         max_share: f64,
         [seen, left_out]: [usize; 2],
     ) -> Result<(), RecordingError> {
-        let (total, rows) = (self.rows - seen, self.dropped_rows - left_out);
+        let (total, rows) = (self.rows - seen, self.report.dropped_rows - left_out);
         let allowed = (max_share * total as f64).floor() as usize;
         if rows > allowed {
             let latest = self.dropped.iter().skip(left_out.min(self.dropped.len().saturating_sub(1)));
@@ -416,17 +372,17 @@ impl<'a> Collector<'a> {
         let sliding = &self.selected.sliding;
         let degrees = plausibility::remark_on_degrees(&series[1..=joints], sliding);
         let tells_jumps = degrees.is_none();
-        self.irregularities.extend(degrees);
+        self.report.irregularities.extend(degrees);
         let (time, values) = series.split_at_mut(1);
         for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
             let joint = plausibility::JointPosition { joint, slides: sliding[joint], tells_jumps };
             let [unwrapped, jumped] = joint.unwrap(&time[0], position, &lines, turns);
-            self.remarks.extend(unwrapped);
-            self.irregularities.extend(jumped);
+            self.report.remarks.extend(unwrapped);
+            self.report.irregularities.extend(jumped);
         }
         // Of many pieces every one may have the same to say.
-        self.irregularities.truncate(IRREGULARITIES);
-        self.remarks.truncate(IRREGULARITIES);
+        self.report.irregularities.truncate(IRREGULARITIES);
+        self.report.remarks.truncate(IRREGULARITIES);
         series
     }
 
@@ -463,5 +419,45 @@ impl<'a> Collector<'a> {
             Reason::Outlier { value, what } => format!("{name} = {value} {what}"),
             Reason::NoNumber => format!("{name} is no finite number"),
         }
+    }
+}
+
+/// Rows out of order are no more than so many in a run.
+const MOST: usize = 100;
+
+/// Rows from which the distance of stamps is taken.
+const USUAL: usize = 20;
+
+/// Gap that is left where a clock was set back: how long it really is, nobody knows. It splits every recording.
+const GAP_S: f64 = 1.0;
+
+#[derive(Default)]
+pub(super) struct Late {
+    /// Each with its line.
+    pub(super) rows: Vec<(Vec<f64>, usize)>,
+}
+
+impl Late {
+    pub(super) fn ends_before(&self, stamp: f64) -> bool {
+        self.rows.len() >= MOST || self.rows.last().is_some_and(|(row, _)| stamp < row[0])
+    }
+
+    /// By how much the clock has to be set forward if it was set back: the run goes on at the usual distance of stamps,
+    /// up to the `next` row where that is in order again, and does not repeat rows of before.
+    pub(super) fn set_back_s(&self, series: &[Vec<f64>], next: Option<f64>) -> Option<f64> {
+        let (time, first) = (&series[0], self.rows.first()?.0[0]);
+        let before = time.len().saturating_sub(USUAL + 1);
+        let (last, from) = (*time.last()?, time[before]);
+        let usual_s = (last - from) / (time.len() - 1 - before) as f64;
+        let stamps = self.rows.iter().map(|(row, _)| row[0]).chain(next);
+        let end = stamps.clone().last()?;
+        let mean_s = (end - first) / (stamps.clone().count() - 1) as f64;
+        let rejoins = next.is_none_or(|next| next - self.rows[self.rows.len() - 1].0[0] <= 2.0 * usual_s);
+        let repeats = self.rows.iter().all(|(row, _)| {
+            let at = time.partition_point(|t| *t < row[0]);
+            series.iter().zip(row).all(|(series, value)| series[at] == *value)
+        });
+        let goes_on = (0.5..=2.0).contains(&(mean_s / usual_s)) && rejoins && !repeats;
+        goes_on.then(|| last + GAP_S.max(USUAL as f64 * usual_s) - first)
     }
 }

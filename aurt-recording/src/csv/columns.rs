@@ -1,12 +1,14 @@
+use std::path::Path;
+
 use aurt_traits::MeasurementUnit;
 
 use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
+use crate::csv::header::Header;
 use crate::csv::search::Search;
 use crate::error::RecordingError;
-use crate::recorded_as::Factor;
-use crate::recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
-use crate::recording::RecordedJoints;
+use crate::recorded_as::{AngleUnit, CurrentUnit, Factor, Quantity, RecordedAs, TimeUnit};
+use crate::recording::{ReadReport, RecordedJoints, Recording};
 
 #[derive(Debug)]
 pub(super) struct Selected {
@@ -43,6 +45,40 @@ impl Selected {
         all.extend(self.nanoseconds);
         all.extend(self.branches.iter().map(|(_, column)| column));
         all
+    }
+
+    /// Where each quantity is taken from.
+    pub(super) fn in_words(&self, header: &Header) -> Vec<String> {
+        let time = match (self.time, self.rate_hz) {
+            (Some(time), _) => header.name(time),
+            (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
+        };
+        let mut columns = vec![format!("time: {time}")];
+        if !self.position.is_empty() {
+            columns.push(format!("position: {}", header.span(&self.position)));
+        }
+        columns.extend(self.velocity.iter().map(|v| format!("velocity: {}", header.span(v))));
+        let measured = self.measurement.iter();
+        columns.extend(measured.map(|m| format!("{}: {}", self.unit.quantity(), header.span(m))));
+        columns
+    }
+
+    /// The recording of some series: time, positions, velocities, measurements, as far as they were selected.
+    pub(super) fn recording(&self, path: &Path, series: Vec<Vec<f64>>, report: ReadReport) -> Recording {
+        // A file that is joined to another may have no positions.
+        let mut series = series.into_iter();
+        let mut family = |columns: &[usize]| series.by_ref().take(columns.len()).collect::<Vec<_>>();
+        let time_s = family(&[0]).pop().unwrap_or_default();
+        Recording {
+            file: path.to_owned(),
+            time_s,
+            position_rad: family(&self.position),
+            velocity_rad_s: self.velocity.as_deref().map(&mut family),
+            measurement: self.measurement.as_deref().map(&mut family),
+            unit: self.unit,
+            joints: self.joints.clone(),
+            report,
+        }
     }
 }
 
@@ -237,5 +273,108 @@ impl Search<'_> {
             }
         }
         Ok(())
+    }
+}
+
+impl Search<'_> {
+    /// The measurement's columns and unit.
+    ///
+    /// Selected columns have the stated unit, or the one that their names tell. Otherwise motor currents and joint
+    /// torques are looked for; if there are both, the stated unit decides.
+    pub(super) fn measurement(
+        &self,
+        families: &Families,
+        joints: usize,
+        remarks: &mut Vec<String>,
+        unread: &mut Option<String>,
+    ) -> Result<(Option<Vec<usize>>, MeasurementUnit), RecordingError> {
+        let stated = self.options.unit;
+        if let Some(selection) = &self.options.columns.measurement {
+            let columns = self.columns(selection, "the measurement", families)?;
+            let Some(unit) = stated.or_else(|| self.unit_of(&columns)) else {
+                return Err(self.unit_unknown(
+                    "the names of the measurement's columns do not tell its unit".into(),
+                    "state it: unit = \"Nm\" (joint torque) or unit = \"A\" (motor current)",
+                ));
+            };
+            return Ok((Some(columns), unit));
+        }
+        let candidates: Vec<(&str, MeasurementUnit)> = [
+            (&families::CURRENT[..], MeasurementUnit::Ampere),
+            (&families::TORQUE, MeasurementUnit::NewtonMetre),
+        ]
+        .into_iter()
+        .filter_map(|(known, usual)| {
+            let (prefix, columns) = match self.by_joint(known) {
+                Some((quantity, columns)) => (quantity, Some(columns)),
+                None => {
+                    let prefix = *families.present(known).first()?;
+                    (prefix, families.columns(prefix)?.ok())
+                }
+            };
+            let unit = columns.and_then(|columns| self.unit_of(&columns)).unwrap_or(usual);
+            Some((prefix, unit))
+        })
+        .collect();
+        let fitting = candidates.iter().find(|(_, unit)| Some(*unit) == stated);
+        let (prefix, unit) = match (fitting, stated, candidates.as_slice()) {
+            (Some((prefix, unit)), ..) => {
+                for (other, _) in candidates.iter().filter(|(other, _)| other != prefix) {
+                    remarks.push(format!(
+                        "the measurement: `{prefix}` is read, not `{other}`, since unit {} was stated",
+                        unit.symbol()
+                    ));
+                }
+                (*prefix, *unit)
+            }
+            (None, Some(unit), [(prefix, _), ..]) => {
+                remarks.push(format!("`{prefix}` is taken to be in {}, as was stated", unit.symbol()));
+                (*prefix, unit)
+            }
+            (None, None, [(prefix, unit)]) => (*prefix, *unit),
+            (None, None, [(one, _), (two, _), ..]) => {
+                let reason = format!("the file has motor currents (`{one}`) and joint torques (`{two}`)");
+                if self.options.needs_measurement {
+                    return Err(
+                        self.unit_unknown(reason, "state which to read: unit = \"A\" or unit = \"Nm\"")
+                    );
+                }
+                remarks.push(format!("{reason}, and no unit was stated: neither was read"));
+                return Ok((None, MeasurementUnit::default()));
+            }
+            (None, _, []) if self.options.needs_measurement => {
+                let mut names = families::CURRENT.to_vec();
+                names.extend(families::TORQUE);
+                let what = "the measurement (motor currents or joint torques)";
+                return Err(self.missing(what, None, &names, "measurement"));
+            }
+            (None, _, []) => {
+                if let Some((columns, selection)) = self.selection_of_measurement() {
+                    *unread = Some(format!(
+                        "nothing measured was recognised; if {} are motor currents or joint torques, say so: in an experiment with \
+                         {selection}, on the command line with --unit and --columns",
+                        self.header.span(&columns)
+                    ));
+                }
+                return Ok((None, stated.unwrap_or_default()));
+            }
+        };
+        let columns = match self.by_joint(&[prefix]) {
+            Some((_, columns)) => Ok(Some(columns)),
+            None => self.family(families, prefix, "the measurement").map(Some),
+        };
+        if self.options.needs_measurement {
+            return Ok((columns?, unit));
+        }
+        Ok((self.optional("the measurement", joints, columns, remarks), unit))
+    }
+
+    /// The unit that the name of the first of some columns tells.
+    fn unit_of(&self, columns: &[usize]) -> Option<MeasurementUnit> {
+        families::unit_of(self.header.names.get(*columns.first()?)?)
+    }
+
+    fn unit_unknown(&self, reason: String, remedy: &str) -> RecordingError {
+        RecordingError::Unit { path: self.path.to_owned(), reason, remedy: remedy.to_owned() }
     }
 }

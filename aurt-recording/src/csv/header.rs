@@ -1,5 +1,4 @@
-use crate::csv::dialect::Dialect;
-use crate::csv::number;
+use crate::csv::dialect::{Dialect, parse_number};
 
 /// Longest name, in characters, that is compared with others to say what was meant.
 const LONGEST_COMPARED: usize = 64;
@@ -23,7 +22,7 @@ impl Header {
     /// own if it names as many columns as there are.
     pub(super) fn of(dialect: Dialect, line: &[u8], number: usize, comment: Option<&[u8]>) -> Self {
         let cells: Vec<&[u8]> = dialect.cells(line).collect();
-        let is_number = |cell: &&[u8]| number::parse(cell, dialect.decimal()).is_some();
+        let is_number = |cell: &&[u8]| parse_number(cell, dialect.decimal()).is_some();
         let is_data = cells.iter().all(|c| is_number(c) || c.is_empty());
         let named: Option<Vec<&[u8]>> = match comment {
             _ if !is_data => Some(cells.clone()),

@@ -6,10 +6,7 @@ mod columns;
 mod dialect;
 pub(crate) mod families;
 mod header;
-mod late;
 mod lines;
-mod measurement;
-mod number;
 mod plausibility;
 mod rows;
 mod search;
@@ -24,11 +21,8 @@ use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::csv::search::Search;
-use crate::csv::table::{recording, report};
 use crate::error::{LEAVE_OUT, RecordingError};
-use crate::format::BEGINNING_BYTES;
-use crate::format::unreadable;
-use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::format::{BEGINNING_BYTES, Reading, RecordingFormat, RecordingInput, unreadable};
 use crate::read_options::ReadOptions;
 use crate::recording::{ReadReport, Recording};
 
@@ -48,49 +42,23 @@ use crate::recording::{ReadReport, Recording};
 /// Errors are columns that are missing or ambiguous; a cell that is needed and no finite number, a line with too few or
 /// too many cells, a last line that breaks off; more corrupt rows than `max_corrupt_share`. Each names file, line, column
 /// and remedy.
-#[derive(Debug, Clone, Copy)]
-pub struct Csv;
-
-impl RecordingFormat for Csv {
-    fn name(&self) -> &'static str {
-        "CSV"
-    }
-
-    fn endings(&self) -> &'static [&'static str] {
-        &["csv", "tsv", "txt", "dat"]
-    }
-
-    fn recognises(&self, _beginning: &[u8]) -> bool {
-        // Text has no signature; it is what remains when no other format recognises a file.
-        false
-    }
-
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError> {
-        let reader = Reader { path: input.path, options, piece_rows };
-        reader.read(input.reader(), &input.beginning, input.bytes, visit)
-    }
-}
+pub const CSV: RecordingFormat = RecordingFormat {
+    name: "CSV",
+    endings: &["csv", "tsv", "txt", "dat"],
+    // Text has no signature; it is what remains when no other format recognises a file.
+    recognises: |_| false,
+    read: |input, reading| Reader { path: input.path, options: reading.options }.read(&input, reading),
+};
 
 struct Reader<'a> {
     path: &'a Path,
     options: &'a ReadOptions,
-    piece_rows: usize,
 }
 
 impl Reader<'_> {
-    fn read(
-        &self,
-        source: impl Read,
-        sample: &[u8],
-        bytes: u64,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError> {
+    fn read(&self, input: &RecordingInput<'_>, reading: Reading<'_>) -> Result<Recording, RecordingError> {
+        let Reading { piece_rows, visit, .. } = reading;
+        let sample = input.beginning.as_slice();
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
         }
@@ -105,7 +73,7 @@ impl Reader<'_> {
         }
         let content = content_lines(sample);
         let dialect = Dialect::detect(&content);
-        let mut lines = Lines::new(source);
+        let mut lines = Lines::new(input.reader());
         let Some((header, first)) = self.header(dialect, &mut lines)? else {
             let found = if sample.is_empty() { "it is empty" } else { "only blank lines and comments" };
             return Err(self.no_rows(found));
@@ -114,7 +82,7 @@ impl Reader<'_> {
         let wanted = selected.all();
         let parser = RowParser::new(dialect, header.columns, &wanted, selected.branches.len());
         let mean_length = sample.len().div_ceil(content.len().max(1)).max(1);
-        let rows = (bytes as usize / mean_length).min(self.piece_rows);
+        let rows = (input.bytes as usize / mean_length).min(piece_rows);
         let mut collector = Collector::new(&selected, self.options, rows);
         let mut row = vec![0.0; wanted.len() + usize::from(selected.time.is_none())];
         let decimals =
@@ -128,11 +96,11 @@ impl Reader<'_> {
                 continue;
             }
             self.take(&parser, &header, &line, &mut row, &mut collector)?;
-            if collector.held() >= self.piece_rows {
+            if collector.held() >= piece_rows {
                 if self.options.is_running {
                     collector.judge_latest(self.path, &header, self.options.max_corrupt_share)?;
                 }
-                visit(&recording(self.path, &selected, collector.piece(false), ReadReport::default()))?;
+                visit(&selected.recording(self.path, collector.piece(false), ReadReport::default()))?;
             }
             if let Some(reason) =
                 decimals.filter(|_| !line.terminated).and_then(|d| cut_off(dialect, line.bytes, d))
@@ -141,16 +109,12 @@ impl Reader<'_> {
                 return Err(RecordingError::TruncatedLastLine { path, line: line.number, reason });
             }
         }
-        let rows = collector.rows();
-        if rows == 0 {
+        if collector.rows() == 0 {
             return Err(self.no_rows("there is a header, but no row follows"));
         }
-        let mut collected = collector.finish(self.path, &header, self.options.max_corrupt_share)?;
         let named = if header.names.is_empty() { "without header" } else { "with header" };
         let format = format!("{}, {named}", dialect.in_words());
-        let series = std::mem::take(&mut collected.series);
-        let report = report(format, &header, &selected, rows, collected);
-        Ok(recording(self.path, &selected, series, report))
+        collector.finish(self.path, &header, format, self.options.max_corrupt_share)
     }
 
     fn header(

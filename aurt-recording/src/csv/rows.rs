@@ -1,5 +1,4 @@
-use crate::csv::dialect::{Cells, Delimiter, Dialect, is_blank};
-use crate::csv::number;
+use crate::csv::dialect::{Cells, Delimiter, Dialect, is_blank, parse_number, parse_prefix};
 
 /// Reads the wanted cells of a line into a row of numbers.
 ///
@@ -47,7 +46,7 @@ impl RowParser {
                 rest = tail;
             }
             if let Some(place) = place {
-                let (value, length) = number::parse_prefix(rest, decimal)?;
+                let (value, length) = parse_prefix(rest, decimal)?;
                 row[*place] = value;
                 rest = &rest[length..];
             } else {
@@ -76,7 +75,7 @@ impl RowParser {
         for cell in self.cells(line) {
             last_is_empty = cell.is_empty();
             if let Some(Some(place)) = self.places.get(found) {
-                match number::parse(cell, self.dialect.decimal()).filter(|v| v.is_finite()) {
+                match parse_number(cell, self.dialect.decimal()).filter(|v| v.is_finite()) {
                     Some(value) => row[*place] = value,
                     None if *place >= self.optional => row[*place] = f64::NAN,
                     None => bad = bad.or(Some(found)),

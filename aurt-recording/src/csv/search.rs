@@ -7,7 +7,7 @@ use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
-use crate::selection::{ColumnRef, ColumnsRef};
+use crate::recorded_as::{ColumnRef, ColumnsRef};
 
 pub(super) struct Search<'a> {
     pub(super) path: &'a Path,

@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use crate::csv::collector::{Collected, Collector};
+use crate::csv::collector::Collector;
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
 use crate::csv::search::Search;
 use crate::error::RecordingError;
-use crate::format::Visit;
+use crate::format::Reading;
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
-use crate::recording::RecordedJoints;
-use crate::recording::{ReadReport, Recording};
+use crate::recording::{ReadReport, RecordedJoints, Recording};
 
 /// Columns that an array or a list may have; longer ones have no number for each joint.
 pub(crate) const MOST_COLUMNS: usize = 4096;
@@ -24,7 +23,6 @@ const ROOM_NUMBERS: usize = 1 << 22;
 pub(crate) struct Table<'a> {
     path: &'a Path,
     memory: Memory<'a>,
-    options: &'a ReadOptions,
     header: Header,
     selected: Selected,
 }
@@ -38,12 +36,12 @@ impl<'a> Table<'a> {
         memory: Memory<'a>,
         names: Vec<String>,
         columns: usize,
-        options: &'a ReadOptions,
+        options: &ReadOptions,
     ) -> Result<Self, RecordingError> {
         let path = memory.path();
         let header = Header { names, columns, line: 0, is_data: false };
         let selected = Search { path, header: &header, options }.run()?;
-        Ok(Self { path, memory, options, header, selected })
+        Ok(Self { path, memory, header, selected })
     }
 
     /// The columns that a row has, in its order.
@@ -79,8 +77,7 @@ impl<'a> Table<'a> {
     pub(crate) fn read(
         mut self,
         format: String,
-        piece_rows: usize,
-        visit: Visit<'_>,
+        Reading { options, piece_rows, visit }: Reading<'_>,
         next: &mut dyn FnMut(&mut [f64]) -> Result<bool, RecordingError>,
     ) -> Result<Recording, RecordingError> {
         let wanted = self.wanted();
@@ -88,13 +85,13 @@ impl<'a> Table<'a> {
         let mut row = vec![0.0; first + wanted.len()];
         let remarks = std::mem::take(&mut self.selected.remarks);
         let room_rows = (ROOM_NUMBERS / row.len().max(1)).clamp(1, ROOM_ROWS);
-        let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(room_rows));
+        let mut collector = Collector::new(&self.selected, options, piece_rows.min(room_rows));
         while next(&mut row[first..])? {
             let needed = row.len() - self.selected.branches.len();
             let number = collector.rows() + 1;
             match row[first..needed].iter().position(|v| !v.is_finite()) {
                 None => collector.add(&mut row, number),
-                Some(place) if self.options.recorded.drops_rows() => collector.skip(number, wanted[place]),
+                Some(place) if options.recorded.drops_rows() => collector.skip(number, wanted[place]),
                 Some(place) => collector.refuse(RecordingError::Value {
                     path: self.path.to_owned(),
                     row: number,
@@ -109,80 +106,16 @@ impl<'a> Table<'a> {
             }
             if collector.held() >= piece_rows {
                 let series = collector.piece(false);
-                visit(&recording(self.path, &self.selected, series, ReadReport::default()))?;
+                visit(&self.selected.recording(self.path, series, ReadReport::default()))?;
             }
         }
-        let rows = collector.rows();
-        if rows == 0 {
+        if collector.rows() == 0 {
             let found = "it has columns, but no rows".to_owned();
             return Err(RecordingError::NoRows { path: self.path.to_owned(), found });
         }
-        let mut collected = collector.finish(self.path, &self.header, self.options.max_corrupt_share)?;
-        let series = std::mem::take(&mut collected.series);
-        let mut report = report(format, &self.header, &self.selected, rows, collected);
-        report.remarks.splice(0..0, remarks);
-        report.line_is_row = true;
-        Ok(recording(self.path, &self.selected, series, report))
-    }
-}
-
-pub(super) fn report(
-    format: String,
-    header: &Header,
-    selected: &Selected,
-    rows: usize,
-    collected: Collected,
-) -> ReadReport {
-    let time = match (selected.time, selected.rate_hz) {
-        (Some(time), _) => header.name(time),
-        (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
-    };
-    let mut columns = vec![format!("time: {time}")];
-    if !selected.position.is_empty() {
-        columns.push(format!("position: {}", header.span(&selected.position)));
-    }
-    if let Some(velocity) = &selected.velocity {
-        columns.push(format!("velocity: {}", header.span(velocity)));
-    }
-    if let Some(measurement) = &selected.measurement {
-        columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
-    }
-    ReadReport {
-        format,
-        rows,
-        columns,
-        dropped: collected.dropped,
-        dropped_rows: collected.dropped_rows,
-        rows_without_numbers: collected.rows_without_numbers,
-        repeated_rows: collected.repeated_rows,
-        absent: collected.absent,
-        remarks: selected.remarks.iter().cloned().chain(collected.remarks).collect(),
-        irregularities: selected.unread.iter().cloned().chain(collected.irregularities).collect(),
-        origin_s: collected.origin_s,
-        set_back_s: collected.set_back_s,
-        branches: collected.branches,
-        ..ReadReport::default()
-    }
-}
-
-pub(super) fn recording(
-    path: &Path,
-    selected: &Selected,
-    series: Vec<Vec<f64>>,
-    report: ReadReport,
-) -> Recording {
-    // A file that is joined to another may have no positions.
-    let mut series = series.into_iter();
-    let mut family = |columns: &[usize]| series.by_ref().take(columns.len()).collect::<Vec<_>>();
-    let time_s = family(&[0]).pop().unwrap_or_default();
-    Recording {
-        file: path.to_owned(),
-        time_s,
-        position_rad: family(&selected.position),
-        velocity_rad_s: selected.velocity.as_deref().map(&mut family),
-        measurement: selected.measurement.as_deref().map(&mut family),
-        unit: selected.unit,
-        joints: selected.joints.clone(),
-        report,
+        let mut recording = collector.finish(self.path, &self.header, format, options.max_corrupt_share)?;
+        recording.report.remarks.splice(0..0, remarks);
+        recording.report.line_is_row = true;
+        Ok(recording)
     }
 }

@@ -5,13 +5,12 @@ use aurt_traits::Motion;
 use crate::error::RecordingError;
 use crate::long::recording::LongRecording;
 use crate::long::uniform::Uniform;
-use crate::preprocess::Decimation;
-use crate::preprocess::PreprocessOptions;
-use crate::preprocess::ZeroPhase;
-use crate::preprocess::differentiate::{inner_acceleration, velocity};
-use crate::preprocess::span::Memory;
-use crate::preprocess::{DroppedSegment, PreprocessReport, SegmentReport, ZeroPhaseBank};
-use crate::preprocess::{Which, filter, shortest_between_gaps};
+use crate::preprocess::segment::Plan;
+use crate::preprocess::span::{inner_acceleration, velocity};
+use crate::preprocess::{
+    DroppedSegment, PreprocessOptions, PreprocessReport, SegmentReport, ZeroPhase, ZeroPhaseBank,
+    shortest_between_gaps,
+};
 
 /// Motion samples of a stretch; memory is a few times their size.
 const STRETCH: usize = 1 << 15;
@@ -26,11 +25,7 @@ const NEGLIGIBLE: f64 = 1e-17;
 #[derive(Debug)]
 pub struct LongPrepared {
     recording: LongRecording,
-    options: PreprocessOptions,
-    rate_hz: f64,
-    decimation: usize,
-    position_filter: ZeroPhase,
-    parallel_filter: ZeroPhase,
+    plan: Plan,
     segments: Vec<LongSegment>,
     report: PreprocessReport,
 }
@@ -95,40 +90,11 @@ impl LongRecording {
         }
         self.spill.finish().map_err(|source| self.failed(source))?;
         let Uniform { rate_hz, runs, spans_s, max_gap_s, report: clock } = Uniform::of(&self, options)?;
-        let decimation = Decimation::new(options.f_dyn_hz, 1.0 / rate_hz);
-        let position_filter = filter(&self.file, options, rate_hz, Which::Position)?;
-        let parallel_filter = filter(&self.file, options, rate_hz, Which::Parallel)?;
-        let report = PreprocessReport {
-            file: self.file.clone(),
-            samples: self.samples(),
-            unusable: None,
-            interpolated: None,
-            clock,
-            rate_hz,
-            resampled: false,
-            max_gap_s,
-            position_cutoff_hz: position_filter.cutoff_hz(),
-            parallel_cutoff_hz: parallel_filter.cutoff_hz(),
-            decimation,
-            memory_s: Memory::of(&position_filter, &parallel_filter, decimation.factor).of_rows_s(rate_hz),
-            ends_count: options.count_ends,
-            trimmed_rest: options.trim_rest,
-            segments: Vec::new(),
-            dropped_segments: Vec::new(),
-            velocity_scale: vec![None; self.joints],
-        };
-        let mut prepared = LongPrepared {
-            options: options.clone(),
-            rate_hz,
-            decimation: decimation.factor,
-            position_filter,
-            parallel_filter,
-            segments: Vec::new(),
-            recording: self,
-            report,
-        };
+        let of = (self.file.as_path(), self.samples(), self.joints);
+        let (plan, report) = Plan::new(of, options, (rate_hz, false, max_gap_s), clock)?;
+        let mut prepared = LongPrepared { recording: self, plan, segments: Vec::new(), report };
         let shortest = shortest_between_gaps(options, runs.len(), rate_hz);
-        let needed = shortest.max(prepared.padding() + 3);
+        let needed = shortest.max(prepared.plan.padding() + 3);
         let mut longest = 0;
         for (run, span_s) in runs.into_iter().zip(spans_s) {
             longest = longest.max(run.len());
@@ -195,13 +161,13 @@ impl LongPrepared {
     /// Every how many samples a row is kept.
     #[must_use]
     pub const fn decimation(&self) -> usize {
-        self.decimation
+        self.plan.decimation
     }
 
     /// The filter that the measurement passed, to be applied to the regressor's columns.
     #[must_use]
     pub const fn parallel_filter(&self) -> &ZeroPhase {
-        &self.parallel_filter
+        &self.plan.parallel_filter
     }
 
     /// The stretches without gaps, in order of time.
@@ -213,7 +179,7 @@ impl LongPrepared {
     /// The parallel filter for columns over a segment's motion; it hands out the rows.
     #[must_use]
     pub fn bank(&self, segment: &LongSegment, columns: usize) -> ZeroPhaseBank {
-        let bank = ZeroPhaseBank::new(&self.parallel_filter, columns, self.decimation);
+        let bank = ZeroPhaseBank::new(&self.plan.parallel_filter, columns, self.plan.decimation);
         bank.keeping(segment.kept_rows.clone())
     }
 
@@ -233,14 +199,10 @@ impl LongPrepared {
         Ok(())
     }
 
-    fn padding(&self) -> usize {
-        self.position_filter.padding().max(self.parallel_filter.padding())
-    }
-
     /// Samples after which neither filter remembers its start.
     fn overlap(&self) -> usize {
         let decay = |filter: &ZeroPhase| filter.design().decay_samples(NEGLIGIBLE) + filter.padding();
-        decay(&self.position_filter).max(decay(&self.parallel_filter))
+        decay(&self.plan.position_filter).max(decay(&self.plan.parallel_filter))
     }
 
     /// The segment of a run that begins at `from_s`; none if nothing moves or too little is left.
@@ -255,18 +217,22 @@ impl LongPrepared {
         let first = self.first_moving(&run, pieces.iter(), |moving| moving.next())?;
         let last = self.first_moving(&run, pieces.iter().rev(), |moving| moving.last())?;
         let moving = first.zip(last).map(|(first, last)| [first, last]);
-        if moving.is_none() && self.options.trim_rest {
+        if moving.is_none() && self.plan.options.trim_rest {
             return Ok(None);
         }
-        let memory = Memory::of(&self.position_filter, &self.parallel_filter, self.decimation);
-        let span = memory.span(&self.options, inner, moving);
-        if span.refused(self.padding()).is_some() {
+        let span = self.plan.memory().span(&self.plan.options, inner, moving);
+        if span.refused(self.plan.padding()).is_some() {
             return Ok(None);
         }
         let (first, samples) = (span.motion.start + 1, span.motion.len());
-        let segment =
-            LongSegment { run, first, samples, kept_rows: span.kept_rows(), decimation: self.decimation };
-        Ok(Some((segment, span.reported(from_s, self.rate_hz))))
+        let segment = LongSegment {
+            run,
+            first,
+            samples,
+            kept_rows: span.kept_rows(),
+            decimation: self.plan.decimation,
+        };
+        Ok(Some((segment, span.reported(from_s, self.plan.rate_hz))))
     }
 
     /// Of the first piece with a moving sample the one that is chosen, counted without the run's first sample.
@@ -276,11 +242,13 @@ impl LongPrepared {
         pieces: impl Iterator<Item = &'p Range<usize>>,
         choose: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<usize>,
     ) -> Result<Option<usize>, RecordingError> {
-        let threshold = self.options.rest_velocity_rad_s;
+        let threshold = self.plan.options.rest_velocity_rad_s;
         for piece in pieces {
             let (series, own) = self.window(run, piece.start + 1..piece.end + 1)?;
-            let filtered = self.options.smoothed(&self.position_filter, &series[1..=self.joints()])?;
-            let speeds: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, 1.0 / self.rate_hz)).collect();
+            let filtered =
+                self.plan.options.smoothed(&self.plan.position_filter, &series[1..=self.joints()])?;
+            let speeds: Vec<Vec<f64>> =
+                filtered.iter().map(|q| velocity(q, 1.0 / self.plan.rate_hz)).collect();
             let mut moving = own.clone().filter(|k| speeds.iter().any(|v| v[*k].abs() > threshold));
             if let Some(k) = choose(&mut moving) {
                 return Ok(Some(piece.start + k - own.start));
@@ -308,8 +276,8 @@ impl LongPrepared {
         let (series, own) = self.window(&segment.run, wanted)?;
         let (time, values) = series.split_at(1);
         let (positions, measurements) = values.split_at(joints);
-        let filtered = self.options.smoothed(&self.position_filter, positions)?;
-        let period_s = 1.0 / self.rate_hz;
+        let filtered = self.plan.options.smoothed(&self.plan.position_filter, positions)?;
+        let period_s = 1.0 / self.plan.rate_hz;
         let mut motion = [Vec::new(), Vec::new(), Vec::new()];
         for q in &filtered {
             motion[0].extend_from_slice(&q[own.clone()]);
@@ -323,18 +291,15 @@ impl LongPrepared {
         let corrected: Vec<Vec<f64>> = measurements
             .iter()
             .enumerate()
-            .map(|(joint, raw)| {
-                let gain = self.options.gains.as_ref().map_or(1.0, |g| g[joint]);
-                let offset = self.options.offsets.as_ref().map_or(0.0, |o| o[joint]);
-                raw.iter().map(|v| (v - offset) * gain).collect()
-            })
+            .map(|(joint, raw)| self.plan.options.corrected(joint, raw))
             .collect();
         let before = |sample: usize| {
-            sample.div_ceil(self.decimation).saturating_sub(segment.kept_rows.start).min(segment.rows())
+            sample.div_ceil(self.plan.decimation).saturating_sub(segment.kept_rows.start).min(segment.rows())
         };
         let rows = before(samples.start)..before(samples.end);
         let at = |row: usize| own.start + segment.sample(row) - samples.start;
         let measurement = self
+            .plan
             .parallel_filter
             .filter_all(&corrected)?
             .iter()

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use crate::error::RecordingError;
 use crate::long::recording::LongRecording;
-use crate::noise::median::median;
+use crate::noise::median;
 use crate::preprocess::PreprocessOptions;
 use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, to_digits};
 use crate::preprocess::resample::SAME_STAMP;

@@ -97,8 +97,8 @@ impl Interpolation {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::{Interpolation, Interpolator};
+    use crate::noise::Normal;
     use crate::preprocess::resample::{grid, linear, smooth};
 
     #[test]

@@ -1,6 +1,6 @@
 //! The lattice on which an encoder puts its values.
 
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// Fewest changes of value from which a lattice is detected.
 const FEWEST: usize = 20;
@@ -70,8 +70,8 @@ fn decimals(series: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::lattice_step;
+    use crate::noise::Normal;
 
     fn quantised(step: f64, noise: f64, decimals: i32) -> Vec<f64> {
         let mut normal = Normal::new(5);

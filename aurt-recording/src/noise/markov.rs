@@ -182,9 +182,9 @@ fn nonnegative(a: [[f64; 2]; 2], b: [f64; 2]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::super::spectrum::MedianSpectrum;
     use super::WhiteAndMarkov;
+    use crate::noise::Normal;
 
     fn series(truth: &WhiteAndMarkov, seconds: f64, seed: u64) -> Vec<f64> {
         let mut normal = Normal::new(seed);

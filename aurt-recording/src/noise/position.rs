@@ -2,7 +2,7 @@
 
 use super::lattice::lattice_step;
 use super::white::level_and_order;
-use crate::noise::median::median;
+use crate::noise::median_step_s;
 
 /// Bins of the lattice error's spectrum between 0 and half the sampling rate.
 const BINS: usize = 512;
@@ -46,11 +46,8 @@ impl PositionNoise {
     /// resting joint's error is constant.
     #[must_use]
     pub fn of(time_s: &[f64], position_rad: &[f64]) -> Self {
-        let mut distances: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
-        if distances.is_empty() {
-            return Self::none(1.0);
-        }
-        let rate_hz = 1.0 / median(&mut distances);
+        let Some(step_s) = median_step_s(time_s) else { return Self::none(1.0) };
+        let rate_hz = 1.0 / step_s;
         let Some((level, order)) = level_and_order(time_s, position_rad) else {
             return Self::none(rate_hz);
         };
@@ -162,10 +159,10 @@ impl SawTooth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::PositionNoise;
+    use crate::noise::Normal;
     use crate::preprocess::ZeroPhase;
-    use crate::preprocess::differentiate::inner_acceleration;
+    use crate::preprocess::span::inner_acceleration;
 
     fn motion(seconds: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let count = (seconds * rate_hz) as usize;

@@ -19,7 +19,7 @@ pub fn velocity_gain(frequency_hz: f64, rate_hz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{acceleration_gain, velocity_gain};
-    use crate::preprocess::differentiate::{inner_acceleration, velocity};
+    use crate::preprocess::span::{inner_acceleration, velocity};
 
     #[test]
     fn a_sine_is_scaled_by_them() {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::fourier;
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// Lowest bin that counts: the trend that is taken off each piece, and the window, belong to those below.
 const LOWEST_BIN: usize = 2;
@@ -194,8 +194,8 @@ fn median_share(count: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::MedianSpectrum;
+    use crate::noise::Normal;
 
     #[test]
     fn the_level_of_white_noise_is_seen_beneath_a_line_and_bursts() {

@@ -1,6 +1,6 @@
 //! The white part of a series, beneath its motion.
 
-use crate::noise::median::median;
+use crate::noise::median;
 
 /// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
 /// sampling rate is gone.
@@ -148,8 +148,8 @@ fn median_share(order: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fourier::tests::Normal;
     use super::{white_level, white_level_at};
+    use crate::noise::Normal;
 
     #[test]
     fn noise_is_measured_beneath_a_motion() {

@@ -14,7 +14,7 @@ use parquet::file::metadata::ParquetMetaData;
 
 use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
-use crate::format::{RecordingFormat, RecordingInput, Visit, unreadable};
+use crate::format::{Reading, RecordingFormat, RecordingInput, unreadable};
 use crate::memory::Memory;
 use crate::parquet::column::{Column, Problem};
 use crate::parquet::footer::{Leaf, Number, leaves};
@@ -36,36 +36,18 @@ pub(crate) const BETWEEN_EPISODES_S: f64 = 10.0;
 /// seconds; those since 1970 count from the first whole second. Episodes of a LeRobot data set, whose stamps begin at zero
 /// each, follow each other at a distance of 10 s. Pages are decoded one by one for each column that is needed:
 /// uncompressed, Snappy, gzip, zstd, LZ4 (raw).
-#[derive(Debug, Clone, Copy)]
-pub struct Parquet;
-
-impl RecordingFormat for Parquet {
-    fn name(&self) -> &'static str {
-        "Parquet"
-    }
-
-    fn endings(&self) -> &'static [&'static str] {
-        &["parquet"]
-    }
-
-    fn recognises(&self, beginning: &[u8]) -> bool {
-        beginning.starts_with(MAGIC) || beginning.starts_with(b"PARE")
-    }
-
-    fn read(
-        &self,
-        input: RecordingInput<'_>,
-        options: &ReadOptions,
-        piece_rows: usize,
-        visit: Visit<'_>,
-    ) -> Result<Recording, RecordingError> {
-        let memory = Memory::of(input.path, input.bytes, options);
+pub const PARQUET: RecordingFormat = RecordingFormat {
+    name: "Parquet",
+    endings: &["parquet"],
+    recognises: |beginning| beginning.starts_with(MAGIC) || beginning.starts_with(b"PARE"),
+    read: |input, reading| {
+        let memory = Memory::of(input.path, input.bytes, reading.options);
         let metadata = footer(&input, memory)?;
         let file = input.rewound()?.try_clone().map_err(|source| unreadable(input.path, source))?;
-        let reader = Reader { path: input.path, memory, file: Arc::new(file), options, metadata };
-        reader.read(piece_rows, visit)
-    }
-}
+        let options = reading.options;
+        Reader { path: input.path, memory, file: Arc::new(file), options, metadata }.read(reading)
+    },
+};
 
 /// Reads the footer, which is at the end of the file.
 fn footer(input: &RecordingInput<'_>, memory: Memory<'_>) -> Result<ParquetMetaData, RecordingError> {
@@ -106,7 +88,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn read(self, piece_rows: usize, visit: Visit<'_>) -> Result<Recording, RecordingError> {
+    fn read(self, reading: Reading<'_>) -> Result<Recording, RecordingError> {
         let (leaves, others) = leaves(self.metadata.file_metadata().schema_descr());
         let (mut names, mut places, mut unfit) = (Vec::new(), Vec::new(), Vec::new());
         for (k, leaf) in leaves.iter().enumerate() {
@@ -155,10 +137,10 @@ impl Reader<'_> {
             ));
         }
         let rows = u64::try_from(self.metadata.file_metadata().num_rows()).unwrap_or(0);
-        table.make_room(rows, piece_rows)?;
+        table.make_room(rows, reading.piece_rows)?;
         let (mut left, mut values) = (rows, vec![0.0; row_width]);
         let sources: Vec<usize> = wanted.iter().map(|(leaf, part)| begins[*leaf] + part).collect();
-        let mut recording = table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
+        let mut recording = table.read("Parquet".to_owned(), reading, &mut |row| {
             if left == 0 {
                 return Ok(false);
             }

@@ -41,78 +41,51 @@ pub(super) struct PackRows<'a> {
     pub(super) future: &'a mut [PackState],
 }
 
-/// Takes in blocks: the forward `state` moves on, `rows` receive what is known of them.
-///
-/// The backward sum of a block lacks the first sample of the next; so every call completes the row before its first
-/// block, which is a dummy if there is none.
-pub(super) fn take_in(
-    level: Dispatch,
-    group: &ModeGroup,
-    samples: PackSamples<'_>,
-    state: &mut PackState,
-    rows: PackRows<'_>,
-    sums: &mut Sums,
-) {
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the processor has the features that the function was compiled for.
-        Dispatch::Avx512 if level.is_available() => unsafe {
-            take_in_avx512(group, samples, state, rows, sums)
-        },
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: as above.
-        Dispatch::Avx2 if level.is_available() => unsafe { take_in_avx2(group, samples, state, rows, sums) },
-        _ => take_in_body(group, samples, state, rows, sums),
-    }
+/// Defines a function that runs `$body` on the instruction set of a level.
+macro_rules! dispatched {
+    ($(#[$attribute:meta])* $name:ident = $body:ident($($argument:ident: $kind:ty),* $(,)?)) => {
+        $(#[$attribute])*
+        pub(super) fn $name(level: Dispatch, $($argument: $kind),*) {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f")]
+            fn avx512($($argument: $kind),*) {
+                $body($($argument),*);
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2")]
+            fn avx2($($argument: $kind),*) {
+                $body($($argument),*);
+            }
+            match level {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: the processor has the features that the function was compiled for.
+                Dispatch::Avx512 if level.is_available() => unsafe { avx512($($argument),*) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                Dispatch::Avx2 if level.is_available() => unsafe { avx2($($argument),*) },
+                _ => $body($($argument),*),
+            }
+        }
+    };
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn take_in_avx2(
-    group: &ModeGroup,
-    samples: PackSamples<'_>,
-    state: &mut PackState,
-    rows: PackRows<'_>,
-    sums: &mut Sums,
-) {
-    take_in_body(group, samples, state, rows, sums);
+dispatched! {
+    /// Takes in blocks: the forward `state` moves on, `rows` receive what is known of them.
+    ///
+    /// The backward sum of a block lacks the first sample of the next; so every call completes the row before its first
+    /// block, which is a dummy if there is none.
+    take_in = take_in_body(
+        group: &ModeGroup,
+        samples: PackSamples<'_>,
+        state: &mut PackState,
+        rows: PackRows<'_>,
+        sums: &mut Sums,
+    )
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn take_in_avx512(
-    group: &ModeGroup,
-    samples: PackSamples<'_>,
-    state: &mut PackState,
-    rows: PackRows<'_>,
-    sums: &mut Sums,
-) {
-    take_in_body(group, samples, state, rows, sums);
-}
-
-/// Runs backward over the rows of a pack from the newest on and adds the contributions to the first `past.len()`.
-pub(super) fn run_backward(level: Dispatch, group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
-    match level {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the processor has the features that the function was compiled for.
-        Dispatch::Avx512 if level.is_available() => unsafe { run_backward_avx512(group, future, past) },
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: as above.
-        Dispatch::Avx2 if level.is_available() => unsafe { run_backward_avx2(group, future, past) },
-        _ => run_backward_body(group, future, past),
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn run_backward_avx2(group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
-    run_backward_body(group, future, past);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn run_backward_avx512(group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
-    run_backward_body(group, future, past);
+dispatched! {
+    /// Runs backward over the rows of a pack from the newest on and adds the contributions to the first `past.len()`.
+    run_backward = run_backward_body(group: &ModeGroup, future: &[PackState], past: &mut [Lanes])
 }
 
 #[inline(always)]

@@ -3,7 +3,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use crate::error::RecordingError;
-use crate::noise::median::median;
+use crate::noise::median;
 use crate::preprocess::options::PreprocessOptions;
 use crate::recording::Recording;
 

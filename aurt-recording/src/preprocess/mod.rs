@@ -4,14 +4,11 @@ mod bank;
 mod bank_kernel;
 mod butterworth;
 pub(crate) mod clock;
-mod decimate;
-pub(crate) mod differentiate;
 mod modes;
 mod options;
-mod refusal;
 mod report;
 pub(crate) mod resample;
-mod segment;
+pub(crate) mod segment;
 pub(crate) mod span;
 mod spline;
 mod zero_phase;
@@ -19,7 +16,7 @@ mod zero_phase;
 pub use bank::{DecimatedTile, ZeroPhaseBank};
 pub use butterworth::Section;
 pub use clock::ClockReport;
-pub use decimate::Decimation;
+pub use options::Decimation;
 pub use options::PreprocessOptions;
 pub use report::{DroppedSegment, PreprocessReport, SegmentReport};
 pub use segment::Segment;
@@ -32,7 +29,7 @@ use crate::branches::NOISE_SAMPLES;
 use crate::error::RecordingError;
 use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
-use crate::preprocess::refusal::Refusal;
+use crate::preprocess::report::Refusal;
 use crate::preprocess::segment::Plan;
 use crate::preprocess::zero_phase::{CUTOFF_RANGE, FILTER_ORDER};
 use crate::recorded_as::TimeUnit;
@@ -91,35 +88,10 @@ pub fn preprocess(
             remedy: "so low a frequency leaves less than one row in a hundred thousand samples; give it in Hz",
         });
     }
-    let plan = Plan {
-        options,
-        rate_hz: clock.rate_hz,
-        resample: clock.resample,
-        decimation: decimation.factor,
-        position_filter: filter(&merged.file, options, clock.rate_hz, Which::Position)?,
-        parallel_filter: filter(&merged.file, options, clock.rate_hz, Which::Parallel)?,
-    };
-
+    let grid = (clock.rate_hz, clock.resample, clock.max_gap_s);
+    let of = (recording.file.as_path(), recording.samples(), recording.joints());
+    let (plan, mut report) = Plan::new(of, options, grid, clock.report)?;
     let origin = merged.time_s[0];
-    let mut report = PreprocessReport {
-        file: recording.file.clone(),
-        samples: recording.samples(),
-        unusable: None,
-        interpolated: None,
-        rate_hz: clock.rate_hz,
-        resampled: clock.resample,
-        max_gap_s: clock.max_gap_s,
-        position_cutoff_hz: plan.position_filter.cutoff_hz(),
-        parallel_cutoff_hz: plan.parallel_filter.cutoff_hz(),
-        decimation,
-        memory_s: plan.memory().of_rows_s(clock.rate_hz),
-        ends_count: options.count_ends,
-        trimmed_rest: options.trim_rest,
-        segments: Vec::new(),
-        dropped_segments: Vec::new(),
-        velocity_scale: vec![None; recording.joints()],
-        clock: clock.report,
-    };
     let mut segments = Vec::new();
     let mut refusal: Option<Refusal> = None;
     let mut agreement = segment::VelocityAgreement::new(recording.joints());

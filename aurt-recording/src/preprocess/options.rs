@@ -79,6 +79,13 @@ impl PreprocessOptions {
         if self.count_ends { filter.filter_all(positions) } else { filter.filter_positions(positions) }
     }
 
+    /// A joint's measurement with the instrument's offset and gain undone.
+    pub(crate) fn corrected(&self, joint: usize, raw: &[f64]) -> Vec<f64> {
+        let gain = self.gains.as_ref().map_or(1.0, |g| g[joint]);
+        let offset = self.offsets.as_ref().map_or(0.0, |o| o[joint]);
+        raw.iter().map(|v| (v - offset) * gain).collect()
+    }
+
     /// The paper's defaults for dynamics up to `f_dyn_hz`.
     #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
@@ -140,5 +147,24 @@ impl PreprocessOptions {
             return Err(RecordingError::InvalidOption { option: "gains", value, remedy });
         }
         Ok(())
+    }
+}
+
+/// The factor by which rows are thinned out after the parallel filter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Decimation {
+    /// F_DS = 0.8 / (4 f_dyn T_S), the paper's formula (section IV), before rounding.
+    pub exact: f64,
+    /// The factor used: `exact` rounded, at least 1.
+    pub factor: usize,
+}
+
+impl Decimation {
+    /// The factor for dynamics up to `f_dyn_hz` sampled every `period_s`.
+    #[must_use]
+    pub fn new(f_dyn_hz: f64, period_s: f64) -> Self {
+        let exact = 0.8 / (4.0 * f_dyn_hz * period_s);
+        // Saturates where the quotient is beyond usize; the rounded value of a finite positive number is safe.
+        Self { exact, factor: (exact.round() as usize).max(1) }
     }
 }

@@ -1,6 +1,6 @@
 use std::borrow::Cow;
 
-use crate::noise::median::median;
+use crate::noise::median_step_s;
 use crate::preprocess::spline::CubicSpline;
 use crate::recording::Recording;
 
@@ -12,8 +12,7 @@ pub(crate) const SAME_STAMP: f64 = 0.05;
 /// values. Also how many samples repeated the one before, and how many contradicted it.
 pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usize, usize)) {
     let time = &recording.time_s;
-    let mut distances: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
-    let same_s = if distances.is_empty() { 0.0 } else { SAME_STAMP * median(&mut distances) };
+    let same_s = median_step_s(time).map_or(0.0, |step_s| SAME_STAMP * step_s);
     let mut first_of = Vec::with_capacity(time.len());
     for (k, stamp) in time.iter().enumerate() {
         if first_of.last().is_none_or(|first: &usize| stamp - time[*first] > same_s) {
@@ -24,41 +23,25 @@ pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usi
         return (Cow::Borrowed(recording), (0, 0));
     }
     let ends: Vec<usize> = first_of.iter().skip(1).copied().chain([time.len()]).collect();
-    let families: Vec<&Vec<f64>> = recording
-        .position_rad
-        .iter()
-        .chain(recording.velocity_rad_s.iter().flatten())
-        .chain(recording.measurement.iter().flatten())
-        .collect();
+    let series: Vec<&Vec<f64>> = recording.families().flatten().collect();
     let (mut repeated, mut conflicting) = (0, 0);
     for (first, end) in first_of.iter().zip(&ends) {
         for k in first + 1..*end {
-            if families.iter().all(|s| s[k] == s[k - 1]) {
+            if series.iter().all(|s| s[k] == s[k - 1]) {
                 repeated += 1;
             } else {
                 conflicting += 1;
             }
         }
     }
-    let mean = |series: &Vec<f64>| -> Vec<f64> {
+    let mean = |series: &[f64]| -> Vec<f64> {
         let of_group = |(first, end): (&usize, &usize)| {
             let base = series[*first];
             base + series[*first..*end].iter().map(|v| v - base).sum::<f64>() / (end - first) as f64
         };
         first_of.iter().zip(&ends).map(of_group).collect()
     };
-    let merge = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(mean).collect() };
-    let merged = Recording {
-        file: recording.file.clone(),
-        time_s: mean(time),
-        position_rad: merge(&recording.position_rad),
-        velocity_rad_s: recording.velocity_rad_s.as_ref().map(merge),
-        measurement: recording.measurement.as_ref().map(merge),
-        unit: recording.unit,
-        joints: recording.joints.clone(),
-        report: recording.report.clone(),
-    };
-    (Cow::Owned(merged), (repeated, conflicting))
+    (Cow::Owned(recording.with_series(mean)), (repeated, conflicting))
 }
 
 /// The stamps of a uniform grid from `from_s` to `to_s`. The last one may lie past the end by rounding alone.

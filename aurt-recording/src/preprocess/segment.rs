@@ -1,17 +1,20 @@
 use std::ops::Range;
+use std::path::Path;
 
 use aurt_traits::Motion;
 
 use crate::error::RecordingError;
 use crate::preprocess::bank::ZeroPhaseBank;
-use crate::preprocess::decimate;
-use crate::preprocess::differentiate::{inner_acceleration, velocity};
+use crate::preprocess::clock::ClockReport;
+use crate::preprocess::options::Decimation;
 use crate::preprocess::options::PreprocessOptions;
-use crate::preprocess::refusal::Refusal;
-use crate::preprocess::report::SegmentReport;
+use crate::preprocess::report::Refusal;
+use crate::preprocess::report::{PreprocessReport, SegmentReport};
 use crate::preprocess::resample::{grid, linear, smooth};
 use crate::preprocess::span::Memory;
+use crate::preprocess::span::{inner_acceleration, velocity};
 use crate::preprocess::zero_phase::ZeroPhase;
+use crate::preprocess::{Which, filter};
 use crate::recording::Recording;
 
 /// A stretch of a recording without gaps, ready for a regressor.
@@ -136,13 +139,15 @@ impl VelocityAgreement {
 }
 
 /// Settings that all segments of a recording share.
-pub(super) struct Plan<'a> {
-    pub(super) options: &'a PreprocessOptions,
-    pub(super) rate_hz: f64,
-    pub(super) resample: bool,
-    pub(super) decimation: usize,
-    pub(super) position_filter: ZeroPhase,
-    pub(super) parallel_filter: ZeroPhase,
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) options: PreprocessOptions,
+    pub(crate) rate_hz: f64,
+    /// Whether samples are interpolated onto a grid of that rate.
+    pub(crate) resample: bool,
+    pub(crate) decimation: usize,
+    pub(crate) position_filter: ZeroPhase,
+    pub(crate) parallel_filter: ZeroPhase,
 }
 
 /// A run of samples on the grid, before filtering.
@@ -153,14 +158,53 @@ struct OnGrid {
     measurement: Option<Vec<Vec<f64>>>,
 }
 
-impl Plan<'_> {
+impl Plan {
+    /// The filters for a grid of a rate, and the report on a recording, without segments.
+    pub(crate) fn new(
+        recording: (&Path, usize, usize),
+        options: &PreprocessOptions,
+        (rate_hz, resample, max_gap_s): (f64, bool, f64),
+        clock: ClockReport,
+    ) -> Result<(Self, PreprocessReport), RecordingError> {
+        let (file, samples, joints) = recording;
+        let decimation = Decimation::new(options.f_dyn_hz, 1.0 / rate_hz);
+        let plan = Self {
+            options: options.clone(),
+            rate_hz,
+            resample,
+            decimation: decimation.factor,
+            position_filter: filter(file, options, rate_hz, Which::Position)?,
+            parallel_filter: filter(file, options, rate_hz, Which::Parallel)?,
+        };
+        let report = PreprocessReport {
+            file: file.to_owned(),
+            samples,
+            unusable: None,
+            interpolated: None,
+            clock,
+            rate_hz,
+            resampled: resample,
+            max_gap_s,
+            position_cutoff_hz: plan.position_filter.cutoff_hz(),
+            parallel_cutoff_hz: plan.parallel_filter.cutoff_hz(),
+            decimation,
+            memory_s: plan.memory().of_rows_s(rate_hz),
+            ends_count: options.count_ends,
+            trimmed_rest: options.trim_rest,
+            segments: Vec::new(),
+            dropped_segments: Vec::new(),
+            velocity_scale: vec![None; joints],
+        };
+        Ok((plan, report))
+    }
+
     pub(super) fn segment(
         &self,
         recording: &Recording,
         run: Range<usize>,
         agreement: &mut VelocityAgreement,
     ) -> Result<Result<(Segment, SegmentReport), Refusal>, RecordingError> {
-        let padding = self.position_filter.padding().max(self.parallel_filter.padding());
+        let padding = self.padding();
         let data = self.on_grid(recording, run);
         let n = data.time_s.len();
         // One sample is lost at either end, and the regressor has to fit the parallel filter.
@@ -177,7 +221,7 @@ impl Plan<'_> {
         if moving.is_none() && self.options.trim_rest {
             return Ok(Err(at_rest(&velocities)));
         }
-        let span = self.memory().span(self.options, inner, moving);
+        let span = self.memory().span(&self.options, inner, moving);
         if let Some(refusal) = span.refused(padding) {
             return Ok(Err(refusal));
         }
@@ -206,7 +250,8 @@ impl Plan<'_> {
                 self.parallel_filter
                     .filter_all(series)?
                     .iter()
-                    .map(|s| decimate::thin(&s[span.rows.start + 1..span.rows.end + 1], self.decimation))
+                    .map(|s| &s[span.rows.start + 1..span.rows.end + 1])
+                    .map(|rows| rows.iter().step_by(self.decimation).copied().collect())
                     .collect(),
             ),
             None => None,
@@ -234,7 +279,11 @@ impl Plan<'_> {
         Some([(0..inner).find(moves)?, (0..inner).rfind(moves)?])
     }
 
-    pub(super) fn memory(&self) -> Memory {
+    pub(crate) fn padding(&self) -> usize {
+        self.position_filter.padding().max(self.parallel_filter.padding())
+    }
+
+    pub(crate) fn memory(&self) -> Memory {
         Memory::of(&self.position_filter, &self.parallel_filter, self.decimation)
     }
 
@@ -267,9 +316,7 @@ impl Plan<'_> {
         });
         let measurement = recording.measurement.as_ref().map(|family| {
             let corrected = family.iter().enumerate().map(|(joint, raw)| {
-                let gain = self.options.gains.as_ref().map_or(1.0, |g| g[joint]);
-                let offset = self.options.offsets.as_ref().map_or(0.0, |o| o[joint]);
-                let y: Vec<f64> = raw[run.clone()].iter().map(|v| (v - offset) * gain).collect();
+                let y = self.options.corrected(joint, &raw[run.clone()]);
                 let delay = delays.get(joint).copied().unwrap_or(0.0);
                 if self.resample || delayed {
                     linear(time, &y, time_s.iter().map(|t| t + delay))

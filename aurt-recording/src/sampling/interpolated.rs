@@ -67,18 +67,7 @@ impl Recording {
     /// The first row and every `stride`-th after it.
     #[must_use]
     pub fn every(&self, stride: usize) -> Self {
-        let of = |series: &Vec<f64>| series.iter().step_by(stride.max(1)).copied().collect();
-        let family = |family: &Vec<Vec<f64>>| family.iter().map(of).collect();
-        Self {
-            time_s: of(&self.time_s),
-            position_rad: family(&self.position_rad),
-            velocity_rad_s: self.velocity_rad_s.as_ref().map(family),
-            measurement: self.measurement.as_ref().map(family),
-            file: self.file.clone(),
-            unit: self.unit,
-            joints: self.joints.clone(),
-            report: self.report.clone(),
-        }
+        self.with_series(|series| series.iter().step_by(stride.max(1)).copied().collect())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::noise::median::median;
+use crate::noise::median_step_s;
 use crate::recorded_as::TimeUnit;
 use crate::recording::Recording;
 
@@ -65,12 +65,7 @@ impl Recording {
     /// them it shows where loggers are not that slow or fast, and in the other unit joints can move that fast.
     #[must_use]
     pub fn stamp_unit(&self, read_in: TimeUnit) -> Option<StampUnit> {
-        let mut steps: Vec<f64> =
-            self.time_s.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0).collect();
-        if steps.is_empty() {
-            return None;
-        }
-        let rate_hz = 1.0 / median(&mut steps);
+        let rate_hz = 1.0 / median_step_s(&self.time_s)?;
         let speed = self.speed();
         let velocity_ratio = self.velocity_ratio();
         let is_logged = |rate_hz: f64| (LOGGED_HZ[0]..LOGGED_HZ[1]).contains(&rate_hz);

@@ -2,10 +2,6 @@
 
 #[cfg(feature = "mcap")]
 mod cdr;
-#[cfg(feature = "mcap")]
-mod joint_state;
-#[cfg(feature = "mcap")]
-mod joint_trajectory;
 #[cfg(feature = "lerobot")]
 mod lerobot;
 #[cfg(feature = "mcap")]
@@ -15,7 +11,7 @@ mod parquet;
 mod planned_motion;
 
 #[cfg(feature = "mcap")]
-pub use self::joint_state::{JointTopic, mcap};
+pub use self::mcap::{JointTopic, mcap};
 #[cfg(feature = "parquet")]
 pub use self::parquet::parquet;
 pub use self::planned_motion::PlannedMotion;

@@ -6,7 +6,7 @@ use aurt_recording::{
 };
 use proptest::prelude::*;
 
-fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Recording, RecordingError> {
+fn read_bytes(bytes: impl AsRef<[u8]>, options: &ReadOptions) -> Result<Recording, RecordingError> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     let result = read_recording(file.path(), options);
@@ -18,8 +18,12 @@ fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Recording, Recordin
     result
 }
 
+fn read(bytes: impl AsRef<[u8]>) -> Result<Recording, RecordingError> {
+    read_bytes(bytes, &ReadOptions::default())
+}
+
 fn error(text: &str) -> RecordingError {
-    read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap_err()
+    read(text).unwrap_err()
 }
 
 /// A smooth recording of two joints (t, q_0, q_1, tau_0, tau_1; row k in line k + 2); `change` may alter a row.
@@ -33,6 +37,15 @@ fn made(rows: usize, change: impl Fn(usize, &mut Vec<String>)) -> String {
         text += &(cells.join(",") + "\n");
     }
     text
+}
+
+/// The same with `cell` in a column of the rows that `chosen` picks.
+fn altered(rows: usize, column: usize, cell: &str, chosen: impl Fn(usize) -> bool) -> String {
+    made(rows, |k, cells| {
+        if chosen(k) {
+            cells[column] = cell.into();
+        }
+    })
 }
 
 #[test]
@@ -69,7 +82,7 @@ fn files_without_rows() {
         assert!(matches!(error, RecordingError::NoRows { .. }), "{error}");
         assert!(error.to_string().contains(part), "{error}");
     }
-    let wide = read_bytes(b"\xff\xfet\0,\0", &ReadOptions::default()).unwrap_err();
+    let wide = read(b"\xff\xfet\0,\0").unwrap_err();
     assert!(wide.to_string().contains("UTF-16"), "{wide}");
 }
 
@@ -96,11 +109,11 @@ fn missing_columns_name_what_there_is_and_what_was_meant() {
         ..ReadOptions::default()
     };
     let named = select(ColumnRef::Name("sholder".into()));
-    let message = read_bytes(text.as_bytes(), &named).unwrap_err().to_string();
+    let message = read_bytes(text, &named).unwrap_err().to_string();
     assert!(message.contains("did you mean `shoulder`"), "{message}");
-    let beyond = read_bytes(text.as_bytes(), &select(ColumnRef::Index(7))).unwrap_err();
+    let beyond = read_bytes(text, &select(ColumnRef::Index(7))).unwrap_err();
     assert!(matches!(beyond, RecordingError::ColumnIndex { index: 7, columns: 3, .. }), "{beyond}");
-    let twice = read_bytes(text.as_bytes(), &select(ColumnRef::Index(2))).unwrap_err();
+    let twice = read_bytes(text, &select(ColumnRef::Index(2))).unwrap_err();
     assert!(twice.to_string().contains("two quantities"), "{twice}");
 }
 
@@ -134,11 +147,7 @@ fn cells_that_are_no_numbers() {
         ("abc", "correct"),
         ("1.2.3", "garbled"),
     ] {
-        let error = error(&made(50, |k, cells| {
-            if k == 30 {
-                cells[1] = cell.into();
-            }
-        }));
+        let error = error(&altered(50, 1, cell, |k| k == 30));
         assert!(
             matches!(&error, RecordingError::Cell { line: 32, column: 2, name: Some(name), .. } if name == "q_0"),
             "{cell}: {error}"
@@ -160,7 +169,7 @@ fn ragged_and_broken_off_lines() {
 
     let whole = made(50, |_, _| {});
     let whole = whole.trim_end();
-    assert!(read_bytes(whole.as_bytes(), &ReadOptions::default()).is_ok());
+    assert!(read(whole).is_ok());
     // Wherever in its last line the file breaks off, it is noticed: in the last number by its missing decimals.
     let last_line = whole.rfind('\n').unwrap() + 1;
     for end in last_line + 1..whole.len() {
@@ -172,15 +181,9 @@ fn ragged_and_broken_off_lines() {
 
 #[test]
 fn corrupt_rows_are_dropped_up_to_a_share_and_reported() {
-    let corrupt = |rows: &'static [usize]| {
-        made(500, move |k, cells| {
-            if rows.contains(&k) {
-                cells[1] = "1e150".into();
-            }
-        })
-    };
+    let corrupt = |rows: &[usize]| altered(500, 1, "1e150", |k| rows.contains(&k));
     let text = corrupt(&[100, 200, 201]);
-    let recording = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+    let recording = read(&text).unwrap();
     assert_eq!(recording.samples(), 497);
     let report = &recording.report;
     assert_eq!((report.rows, report.dropped_rows), (500, 3));
@@ -198,12 +201,12 @@ fn corrupt_rows_are_dropped_up_to_a_share_and_reported() {
     );
     assert!(expected, "{refused}");
     let none = ReadOptions { max_corrupt_share: 0.0, ..ReadOptions::default() };
-    assert!(read_bytes(text.as_bytes(), &none).is_err());
+    assert!(read_bytes(&text, &none).is_err());
     let more = ReadOptions { max_corrupt_share: 0.02, ..ReadOptions::default() };
-    assert_eq!(read_bytes(many.as_bytes(), &more).unwrap().samples(), 494);
+    assert_eq!(read_bytes(&many, &more).unwrap().samples(), 494);
     for share in [-0.1, 1.1, f64::NAN] {
         let options = ReadOptions { max_corrupt_share: share, ..ReadOptions::default() };
-        let error = read_bytes(text.as_bytes(), &options).unwrap_err();
+        let error = read_bytes(&text, &options).unwrap_err();
         assert!(matches!(error, RecordingError::InvalidOption { .. }), "{error}");
     }
 }
@@ -217,7 +220,7 @@ fn rows_that_their_neighbours_contradict_are_dropped() {
         300 => cells[4] = "900000".into(),
         _ => {}
     });
-    let recording = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+    let recording = read(&text).unwrap();
     let lines: Vec<usize> = recording.report.dropped.iter().map(|d| d.line).collect();
     assert_eq!(lines, [2, 102, 302], "{:?}", recording.report.dropped);
 }
@@ -229,19 +232,15 @@ fn whole_turns_are_unwrapped_and_other_jumps_reported() {
         let turn = if (100..250).contains(&k) { std::f64::consts::TAU } else { 0.0 };
         cells[1] = format!("{:.6}", q - turn);
     });
-    let recording = read_bytes(wrapped.as_bytes(), &ReadOptions::default()).unwrap();
+    let recording = read(&wrapped).unwrap();
     for (k, q) in recording.position_rad[0].iter().enumerate() {
         assert!((q - (k as f64 * 0.01).sin()).abs() < 1e-5);
     }
     let remark = &recording.report.remarks[0];
     assert!(remark.contains("2 times") && remark.contains("line 102"), "{remark}");
 
-    let jump = made(500, |k, cells| {
-        if k >= 250 {
-            cells[1] = "9.0000".into();
-        }
-    });
-    let recording = read_bytes(jump.as_bytes(), &ReadOptions::default()).unwrap();
+    let jump = altered(500, 1, "9.0000", |k| k >= 250);
+    let recording = read(&jump).unwrap();
     assert!(recording.report.irregularities[0].contains("line 252"), "{:?}", recording.report.irregularities);
     assert_eq!(recording.report.dropped_rows, 0);
 }
@@ -249,12 +248,8 @@ fn whole_turns_are_unwrapped_and_other_jumps_reported() {
 #[test]
 fn time_that_goes_back() {
     for (stamp, line, part) in [("1.5000", 202, "goes back"), ("3.5000", 202, "leaps ahead")] {
-        let text = made(500, |k, cells| {
-            if k == 200 {
-                cells[0] = stamp.into();
-            }
-        });
-        let recording = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+        let text = altered(500, 0, stamp, |k| k == 200);
+        let recording = read(&text).unwrap();
         assert_eq!(recording.samples(), 499);
         let dropped = &recording.report.dropped[0];
         assert_eq!(dropped.line, line);
@@ -269,7 +264,7 @@ fn a_clock_that_is_set_back_splits_the_recording() {
         let back = [0.0, 0.3, 4.0, 1e3][k / 200 % 4];
         cells[0] = format!("{:.4}", cells[0].parse::<f64>().unwrap() - back);
     });
-    let recording = read_bytes(once.as_bytes(), &ReadOptions::default()).unwrap();
+    let recording = read(&once).unwrap();
     let report = &recording.report;
     assert_eq!((recording.samples(), report.dropped_rows, report.set_back_s.len()), (900, 0, 3));
     assert!(report.remarks[0].starts_with("the clock was set back from 1.99"), "{:?}", report.remarks);
@@ -284,7 +279,7 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = read_bytes(&bytes, &ReadOptions::default());
+        let _ = read(&bytes);
     }
 
     #[test]
@@ -303,8 +298,8 @@ proptest! {
             max_corrupt_share: 1.0,
             ..ReadOptions::default()
         };
-        let _ = read_bytes(text.as_bytes(), &selected);
-        let _ = read_bytes(format!("t,q_0,tau_0\n{text}").as_bytes(), &ReadOptions::default());
+        let _ = read_bytes(&text, &selected);
+        let _ = read(format!("t,q_0,tau_0\n{text}"));
     }
 
     #[test]
@@ -319,7 +314,7 @@ proptest! {
             // Seconds apart, so that no step is too fast for a joint.
             text += &format!("{}{delimiter}{q}{delimiter}{tau:e}{end}", 100 * k);
         }
-        let recording = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+        let recording = read(&text).unwrap();
         let expected: (Vec<f64>, Vec<f64>) = rows.into_iter().unzip();
         prop_assert_eq!(&recording.position_rad[0], &expected.0);
         prop_assert_eq!(&recording.measurement.as_ref().unwrap()[0], &expected.1);
@@ -340,18 +335,14 @@ fn rows_that_lack_a_number_are_counted_and_left_out_on_request() {
     }
     let recorded = RecordedAs { drop: Some(DroppedRows::NotANumber), ..RecordedAs::default() };
     let options = ReadOptions { recorded, ..ReadOptions::default() };
-    let recording = read_bytes(text.as_bytes(), &options).unwrap();
+    let recording = read_bytes(&text, &options).unwrap();
     let report = &recording.report;
     assert_eq!((recording.samples(), report.rows, report.rows_without_numbers), (240, 300, 60));
     assert_eq!((report.dropped_rows, report.absent.len(), report.absent[0]), (0, 60, 5));
     assert!(report.notes().join("; ").contains("left out 60 rows (20.00 %)"), "{:?}", report.notes());
     // A garbled cell is an error all the same.
-    let garbled = made(300, |k, cells| {
-        if k == 9 {
-            cells[1] = "1.2.3".into()
-        }
-    });
-    assert!(read_bytes(garbled.as_bytes(), &options).is_err());
+    let garbled = altered(300, 1, "1.2.3", |k| k == 9);
+    assert!(read_bytes(&garbled, &options).is_err());
 }
 
 /// Rows that a logger wrote twice, at once or later, are one row; neighbours with the stamp alone in common are two.
@@ -362,9 +353,9 @@ fn rows_written_twice_are_one() {
     let twice: String =
         lines.iter().enumerate().flat_map(|(k, l)| vec![format!("{l}\n"); 1 + usize::from(k > 0)]).collect();
     let again = format!("{once}{}\n", lines[1..].join("\n"));
-    let one = read_bytes(once.as_bytes(), &ReadOptions::default()).unwrap();
+    let one = read(&once).unwrap();
     for text in [twice, again] {
-        let read = read_bytes(text.as_bytes(), &ReadOptions::default()).unwrap();
+        let read = read(&text).unwrap();
         assert_eq!((&read.time_s, &read.position_rad), (&one.time_s, &one.position_rad));
         assert_eq!(read.measurement, one.measurement);
         assert_eq!((read.report.repeated_rows, read.report.dropped_rows, read.report.rows), (300, 0, 600));
@@ -374,7 +365,7 @@ fn rows_written_twice_are_one() {
             cells[0] = format!("{:.4}", (k - 1) as f64 * 0.01)
         }
     });
-    assert_eq!(read_bytes(two.as_bytes(), &ReadOptions::default()).unwrap().samples(), 300);
+    assert_eq!(read(&two).unwrap().samples(), 300);
 }
 
 /// A joint that slides is in metres: no unit of angles scales it, and 2 π m are no turn.
@@ -388,7 +379,7 @@ fn joints_that_slide_have_no_angles() {
     let read = |sliding: Vec<bool>| {
         let recorded = RecordedAs { angle: Some(AngleUnit::Degree), ..RecordedAs::default() };
         let joints = Some(RobotJoints { sliding, ..2.into() });
-        read_bytes(text.as_bytes(), &ReadOptions { joints, recorded, ..ReadOptions::default() }).unwrap()
+        read_bytes(&text, &ReadOptions { joints, recorded, ..ReadOptions::default() }).unwrap()
     };
     let (turning, sliding) = (read(vec![false; 2]), read(vec![true, false]));
     let at = |recording: &Recording, k: usize| recording.position_rad[0][k];

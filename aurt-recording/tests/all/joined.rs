@@ -6,6 +6,7 @@ use aurt_recording::{
     AngleUnit, CurrentUnit, JoinedFile, LongRecording, Quantity, ReadOptions, RecordedAs, Recording,
     RecordingError, TimeUnit, read_recording,
 };
+use tempfile::TempDir;
 
 const JOINTS: usize = 2;
 
@@ -21,11 +22,18 @@ fn current(joint: usize, t: f64) -> f64 {
 /// A quantity that is written as a column for each joint.
 type Family<'a> = (&'a str, &'a dyn Fn(usize, f64) -> f64);
 
-fn write(
-    folder: &Path,
+const Q: &[Family<'_>] = &[("q", &position)];
+const I: &[Family<'_>] = &[("current", &current)];
+
+fn write(folder: &TempDir, name: &str, stamps: &[f64], families: &[Family<'_>]) -> PathBuf {
+    write_shown(folder, name, stamps, |t| format!("{t:.6}"), families)
+}
+
+fn write_shown(
+    folder: &TempDir,
     name: &str,
     stamps: &[f64],
-    shown: &dyn Fn(f64) -> String,
+    shown: impl Fn(f64) -> String,
     families: &[Family<'_>],
 ) -> PathBuf {
     let columns = families.iter().flat_map(|(f, _)| (0..JOINTS).map(move |j| format!(",{f}_{j}")));
@@ -37,13 +45,9 @@ fn write(
         }
         text.push('\n');
     }
-    let path = folder.join(name);
+    let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
     path
-}
-
-fn seconds(t: f64) -> String {
-    format!("{t:.6}")
 }
 
 fn stamps(from_s: f64, rate_hz: f64, rows: usize) -> Vec<f64> {
@@ -63,6 +67,10 @@ fn with(other: &Path, change: impl FnOnce(&mut JoinedFile)) -> ReadOptions {
     ReadOptions { joints: Some(JOINTS.into()), recorded, ..ReadOptions::default() }
 }
 
+fn joined_of(one: &Path, other: &Path) -> Result<Recording, RecordingError> {
+    read_recording(one, &with(other, |_| ()))
+}
+
 /// All series of a recording: stamps, positions, measurements.
 fn numbers(recording: &Recording) -> Vec<&Vec<f64>> {
     let measured = recording.measurement.iter().flatten();
@@ -78,12 +86,12 @@ fn a_recording_split_in_two_is_the_same_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut times = stamps(12.0, 500.0, 400);
     times[100] = times[99];
-    let whole = write(folder.path(), "a.csv", &times, &seconds, &[("q", &position), ("current", &current)]);
-    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &times, &seconds, &[("current", &current)]);
+    let whole = write(&folder, "a.csv", &times, &[("q", &position), ("current", &current)]);
+    let q = write(&folder, "q.csv", &times, Q);
+    let i = write(&folder, "i.csv", &times, I);
     let one = read_recording(&whole, &ReadOptions { joints: Some(JOINTS.into()), ..ReadOptions::default() })
         .unwrap();
-    let two = read_recording(&q, &with(&i, |_| ())).unwrap();
+    let two = joined_of(&q, &i).unwrap();
     assert!(numbers(&one) == numbers(&two), "{}", remarks(&two));
     assert_eq!(one.unit, two.unit);
     assert!(remarks(&two).contains("joined by equal stamps: 399 rows"), "{}", remarks(&two));
@@ -92,9 +100,9 @@ fn a_recording_split_in_two_is_the_same_bit_for_bit() {
 #[test]
 fn only_the_common_time_is_taken() {
     let folder = tempfile::tempdir().unwrap();
-    let q = write(folder.path(), "q.csv", &stamps(0.0, 100.0, 300), &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &stamps(1.0, 100.0, 300), &seconds, &[("current", &current)]);
-    let joined = read_recording(&q, &with(&i, |_| ())).unwrap();
+    let q = write(&folder, "q.csv", &stamps(0.0, 100.0, 300), Q);
+    let i = write(&folder, "i.csv", &stamps(1.0, 100.0, 300), I);
+    let joined = joined_of(&q, &i).unwrap();
     assert_eq!((joined.samples(), joined.time_s[0]), (200, 1.0));
     let expected = current(1, joined.time_s[7]);
     assert!((joined.measurement.unwrap()[1][7] - expected).abs() < 1e-6);
@@ -103,9 +111,9 @@ fn only_the_common_time_is_taken() {
 #[test]
 fn of_a_clock_with_every_fifth_stamp_nothing_is_interpolated() {
     let folder = tempfile::tempdir().unwrap();
-    let q = write(folder.path(), "q.csv", &stamps(0.0, 500.0, 1000), &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &stamps(0.0, 100.0, 200), &seconds, &[("current", &current)]);
-    let joined = read_recording(&q, &with(&i, |_| ())).unwrap();
+    let q = write(&folder, "q.csv", &stamps(0.0, 500.0, 1000), Q);
+    let i = write(&folder, "i.csv", &stamps(0.0, 100.0, 200), I);
+    let joined = joined_of(&q, &i).unwrap();
     let alone =
         read_recording(&q, &ReadOptions { needs_measurement: false, ..ReadOptions::default() }).unwrap();
     assert_eq!(joined.samples(), 200);
@@ -117,9 +125,9 @@ fn of_a_clock_with_every_fifth_stamp_nothing_is_interpolated() {
 #[test]
 fn other_stamps_are_those_of_the_slower_file_and_the_faster_is_interpolated() {
     let folder = tempfile::tempdir().unwrap();
-    let slow = write(folder.path(), "q.csv", &stamps(0.0013, 125.0, 300), &seconds, &[("q", &position)]);
-    let fast = write(folder.path(), "i.csv", &stamps(0.0, 1000.0, 2500), &seconds, &[("current", &current)]);
-    let joined = read_recording(&slow, &with(&fast, |_| ())).unwrap();
+    let slow = write(&folder, "q.csv", &stamps(0.0013, 125.0, 300), Q);
+    let fast = write(&folder, "i.csv", &stamps(0.0, 1000.0, 2500), I);
+    let joined = joined_of(&slow, &fast).unwrap();
     assert_eq!(joined.samples(), 300);
     let measured = joined.measurement.as_ref().unwrap();
     for joint in 0..JOINTS {
@@ -132,10 +140,9 @@ fn other_stamps_are_those_of_the_slower_file_and_the_faster_is_interpolated() {
     assert!(text.contains("those of q.csv, the slower one, are kept"), "{text}");
     assert!(text.contains("what is in i.csv is interpolated linearly"), "{text}");
     // The slower file may as well be the joined one.
-    let fast = write(folder.path(), "fast.csv", &stamps(0.0, 1000.0, 2500), &seconds, &[("q", &position)]);
-    let slow =
-        write(folder.path(), "slow.csv", &stamps(0.0013, 125.0, 300), &seconds, &[("current", &current)]);
-    let joined = read_recording(&fast, &with(&slow, |_| ())).unwrap();
+    let fast = write(&folder, "fast.csv", &stamps(0.0, 1000.0, 2500), Q);
+    let slow = write(&folder, "slow.csv", &stamps(0.0013, 125.0, 300), I);
+    let joined = joined_of(&fast, &slow).unwrap();
     assert_eq!(joined.samples(), 300);
     assert!((joined.position_rad[1][40] - position(1, joined.time_s[40])).abs() < 5e-7);
 }
@@ -145,9 +152,9 @@ fn no_row_is_made_up_in_a_gap() {
     let folder = tempfile::tempdir().unwrap();
     let mut broken = stamps(0.0, 1000.0, 2500);
     broken.drain(500..700);
-    let q = write(folder.path(), "q.csv", &stamps(0.0013, 125.0, 300), &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &broken, &seconds, &[("current", &current)]);
-    let joined = read_recording(&q, &with(&i, |_| ())).unwrap();
+    let q = write(&folder, "q.csv", &stamps(0.0013, 125.0, 300), Q);
+    let i = write(&folder, "i.csv", &broken, I);
+    let joined = joined_of(&q, &i).unwrap();
     assert!(joined.time_s.iter().all(|t| *t <= 0.4995 || *t >= 0.6995), "a row lies in the gap");
     assert_eq!(joined.samples(), 275);
     assert!(remarks(&joined).contains("25 rows are left out"), "{}", remarks(&joined));
@@ -159,9 +166,9 @@ fn a_clock_of_its_own_is_told_and_put_right_by_its_offset() {
     let times = stamps(5.0, 100.0, 300);
     let elsewhere: Vec<f64> = times.iter().map(|t| t + 1000.25).collect();
     let shifted = |joint, t: f64| current(joint, t - 1000.25);
-    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &elsewhere, &seconds, &[("current", &shifted)]);
-    let error = read_recording(&q, &with(&i, |_| ())).unwrap_err();
+    let q = write(&folder, "q.csv", &times, Q);
+    let i = write(&folder, "i.csv", &elsewhere, &[("current", &shifted)]);
+    let error = joined_of(&q, &i).unwrap_err();
     assert!(matches!(error, RecordingError::Joined { .. }));
     let text = error.to_string();
     assert!(text.contains("do not overlap") && text.contains("clock_offset_s = -1000.25"), "{text}");
@@ -175,9 +182,9 @@ fn stamps_in_another_unit_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let times = stamps(0.0, 100.0, 300);
     let ms = |t: f64| format!("{:.3}", 1e3 * t);
-    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &times, &ms, &[("current", &current)]);
-    let text = read_recording(&q, &with(&i, |_| ())).unwrap_err().to_string();
+    let q = write(&folder, "q.csv", &times, Q);
+    let i = write_shown(&folder, "i.csv", &times, ms, I);
+    let text = joined_of(&q, &i).unwrap_err().to_string();
     assert!(text.contains("i.csv lasts 1e3 times as long") && text.contains("time = \"ms\""), "{text}");
     let joined = read_recording(&q, &with(&i, |j| j.recorded.time = Some(TimeUnit::Millisecond))).unwrap();
     assert_eq!(joined.samples(), 300);
@@ -188,9 +195,9 @@ fn a_quantity_in_two_files_has_to_be_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let times = stamps(0.0, 100.0, 300);
     let other = |joint, t| 2.0 * current(joint, t);
-    let a = write(folder.path(), "a.csv", &times, &seconds, &[("q", &position), ("current", &current)]);
-    let b = write(folder.path(), "b.csv", &times, &seconds, &[("q", &position), ("current", &other)]);
-    let text = read_recording(&a, &with(&b, |_| ())).unwrap_err().to_string();
+    let a = write(&folder, "a.csv", &times, &[("q", &position), ("current", &current)]);
+    let b = write(&folder, "b.csv", &times, &[("q", &position), ("current", &other)]);
+    let text = joined_of(&a, &b).unwrap_err().to_string();
     assert!(
         text.contains("both have joint positions") && text.contains("take = [\"measurement\"]"),
         "{text}"
@@ -208,14 +215,14 @@ fn a_quantity_in_two_files_has_to_be_chosen() {
 fn a_file_without_anything_to_join_and_recordings_longer_than_memory_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let times = stamps(0.0, 100.0, 300);
-    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
-    let n = write(folder.path(), "n.csv", &times, &seconds, &[("lamp", &current)]);
-    let error = read_recording(&q, &with(&n, |_| ())).unwrap_err();
+    let q = write(&folder, "q.csv", &times, Q);
+    let n = write(&folder, "n.csv", &times, &[("lamp", &current)]);
+    let error = joined_of(&q, &n).unwrap_err();
     assert!(matches!(error, RecordingError::MissingColumn { .. }), "{error}");
-    let i = write(folder.path(), "i.csv", &times, &seconds, &[("current", &current)]);
+    let i = write(&folder, "i.csv", &times, I);
     let error = LongRecording::read(&q, &with(&i, |_| ())).unwrap_err().to_string();
     assert!(error.contains("--stream-above"), "{error}");
-    let missing = read_recording(&q, &with(&folder.path().join("none.csv"), |_| ())).unwrap_err();
+    let missing = joined_of(&q, &folder.path().join("none.csv")).unwrap_err();
     assert!(missing.to_string().contains("none.csv: no such file"), "{missing}");
 }
 
@@ -254,9 +261,9 @@ fn formats_mix_and_clocks_since_1970_agree() {
 fn units_are_those_of_the_quantity() {
     let folder = tempfile::tempdir().unwrap();
     let times = stamps(0.0, 100.0, 300);
-    let whole = write(folder.path(), "a.csv", &times, &seconds, &[("q", &position), ("current", &current)]);
-    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
-    let i = write(folder.path(), "i.csv", &times, &seconds, &[("current", &current)]);
+    let whole = write(&folder, "a.csv", &times, &[("q", &position), ("current", &current)]);
+    let q = write(&folder, "q.csv", &times, Q);
+    let i = write(&folder, "i.csv", &times, I);
     let recorded = RecordedAs {
         angle: Some(AngleUnit::Degree),
         gear_ratio: Some(vec![100.0, -80.0]),

@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use aurt_recording::{LongRecording, ReadOptions, RecordingError, read_recording};
+use aurt_recording::{JointTopic, LongRecording, ReadOptions, RecordingError, mcap, read_recording};
 use flate2::{Compression, write::ZlibEncoder};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
@@ -110,6 +110,11 @@ fn variables_of_zeros_are_refused_with_what_they_need() {
     assert_eq!(read(&path, bytes).unwrap(), 1);
 }
 
+fn write_bag(path: &Path, stamps: &[f64], joints: &[String], position: &[Vec<f64>]) {
+    let topic = JointTopic { name: "/joint_states", position, velocity: &[], effort: &[] };
+    std::fs::write(path, mcap(path, stamps, 0.0, joints, &[topic], &[]).unwrap()).unwrap();
+}
+
 /// A message of one joint in a chunk that zstd shrinks to nothing, and a table of constant columns.
 #[test]
 fn rows_that_no_header_announces_are_counted_while_they_are_read() {
@@ -118,10 +123,7 @@ fn rows_that_no_header_announces_are_counted_while_they_are_read() {
     let joints = ["elbow".to_owned()];
     let stamps: Vec<f64> = (0..200_000).map(|k| 1e-3 * f64::from(k)).collect();
     let zeros = [vec![0.0; stamps.len()]];
-    let topic =
-        aurt_recording::JointTopic { name: "/joint_states", position: &zeros, velocity: &[], effort: &[] };
-    let bytes = aurt_recording::mcap(&path, &stamps, 0.0, &joints, &[topic], &[]).unwrap();
-    std::fs::write(&path, bytes).unwrap();
+    write_bag(&path, &stamps, &joints, &zeros);
     assert!(needed(&path, 3 * MEGABYTE) > 3 * MEGABYTE);
     assert_eq!(read(&path, 16 * MEGABYTE).unwrap(), stamps.len());
     // In pieces less is enough.
@@ -146,10 +148,7 @@ fn bag(folder: &Path, joints: usize) -> PathBuf {
     let path = folder.join("many.mcap");
     let names: Vec<String> = (0..joints).map(|k| format!("j{k}")).collect();
     let position = vec![vec![0.0; 3]; joints];
-    let topic =
-        aurt_recording::JointTopic { name: "/joint_states", position: &position, velocity: &[], effort: &[] };
-    let bytes = aurt_recording::mcap(&path, &[0.0, 0.1, 0.2], 0.0, &names, &[topic], &[]).unwrap();
-    std::fs::write(&path, bytes).unwrap();
+    write_bag(&path, &[0.0, 0.1, 0.2], &names, &position);
     path
 }
 

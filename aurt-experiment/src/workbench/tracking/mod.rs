@@ -304,7 +304,7 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         for entry in entries {
             let file = entry.map_err(|e| refuse(format!("cannot be read: {e}")))?.path();
             let ending = file.extension().map(|e| e.to_string_lossy().to_lowercase()).filter(|e| e != "txt");
-            let is_known = |e: String| FORMATS.iter().any(|format| format.endings().contains(&e.as_str()));
+            let is_known = |e: String| FORMATS.iter().any(|format| format.endings.contains(&e.as_str()));
             if file.is_file() && ending.is_some_and(is_known) || is_recording_folder(&file) {
                 inside.push(file);
             }

@@ -40,6 +40,11 @@ const fn franka(alpha: f64, a_m: f64, d_m: f64, [low, high, velocity, torque]: [
     mdh(alpha, a_m, d_m, (low * RAD, high * RAD, velocity * RAD, Some(torque)))
 }
 
+/// A joint of a Gen3: origin, quarters of roll; limit to either side in rad, 0 if it turns without end, and torque in Nm.
+const fn gen3(origin_m: [f64; 3], roll: f64, limit: f64, torque: f64) -> KnownJoint {
+    joint(origin_m, [roll, 0.0, 0.0], Z, (-limit * RAD, limit * RAD, 0.8727 * RAD, Some(torque)))
+}
+
 /// A joint of an xArm: origin, quarters of roll; limits in rad, torque in Nm. All turn at up to 180 °/s.
 const fn xarm(origin_m: [f64; 3], roll: f64, [low, high, torque]: [f64; 3]) -> KnownJoint {
     joint(origin_m, [roll, 0.0, 0.0], Z, (low * RAD, high * RAD, 180.0, Some(torque)))
@@ -82,28 +87,13 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         source: "Kinova, ros_kortex, GEN3_URDF_V12.urdf (frames and limits of the Gen3 user guide)",
         joint_names: Numbered("joint_"),
         joints: &[
-            joint([0.0, 0.0, 0.15643], [2.0, 0.0, 0.0], Z, (0.0, 0.0, 0.8727 * RAD, Some(39.0))),
-            joint(
-                [0.0, 0.005375, -0.12838],
-                [1.0, 0.0, 0.0],
-                Z,
-                (-2.41 * RAD, 2.41 * RAD, 0.8727 * RAD, Some(39.0)),
-            ),
-            joint([0.0, -0.21038, -0.006375], [-1.0, 0.0, 0.0], Z, (0.0, 0.0, 0.8727 * RAD, Some(39.0))),
-            joint(
-                [0.0, 0.006375, -0.21038],
-                [1.0, 0.0, 0.0],
-                Z,
-                (-2.66 * RAD, 2.66 * RAD, 0.8727 * RAD, Some(39.0)),
-            ),
-            joint([0.0, -0.20843, -0.006375], [-1.0, 0.0, 0.0], Z, (0.0, 0.0, 0.8727 * RAD, Some(9.0))),
-            joint(
-                [0.0, 0.000_175_05, -0.10593],
-                [1.0, 0.0, 0.0],
-                Z,
-                (-2.23 * RAD, 2.23 * RAD, 0.8727 * RAD, Some(9.0)),
-            ),
-            joint([0.0, -0.10593, -0.000_175_05], [-1.0, 0.0, 0.0], Z, (0.0, 0.0, 0.8727 * RAD, Some(9.0))),
+            gen3([0.0, 0.0, 0.15643], 2.0, 0.0, 39.0),
+            gen3([0.0, 0.005375, -0.12838], 1.0, 2.41, 39.0),
+            gen3([0.0, -0.21038, -0.006375], -1.0, 0.0, 39.0),
+            gen3([0.0, 0.006375, -0.21038], 1.0, 2.66, 39.0),
+            gen3([0.0, -0.20843, -0.006375], -1.0, 0.0, 9.0),
+            gen3([0.0, 0.000_175_05, -0.10593], 1.0, 2.23, 9.0),
+            gen3([0.0, -0.10593, -0.000_175_05], -1.0, 0.0, 9.0),
         ],
     },
     KnownRobot {

@@ -89,7 +89,7 @@ impl KnownRobot {
             let (turn, sign) = along(&joint.axis.into());
             let placement = at_joint.then(&Pose::turned(turn)).placement();
             joints.push(Joint { sign, ..Joint::revolute(placement) });
-            frames.push(std::array::from_fn(|r| std::array::from_fn(|c| turn[(r, c)])));
+            frames.push(turn.transpose().into());
             here = Pose::turned(turn.transpose());
         }
         let limits = self.joints.iter().map(|joint| JointLimits {

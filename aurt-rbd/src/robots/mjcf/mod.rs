@@ -1,11 +1,9 @@
 //! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
 
-mod acting;
 mod actuators;
 mod classes;
 mod equality;
 mod joint;
-mod orientation;
 mod settings;
 mod shapes;
 
@@ -16,9 +14,8 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
-use crate::robots::body::Body;
 use crate::robots::element::{Element, Source};
-use crate::robots::pose::Pose;
+use crate::robots::pose::{Body, Pose};
 use crate::robots::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
 use crate::robots::{JointFriction, JointLimits, RobotError, RobotErrors};
 pub use actuators::{PositionActuator, position_actuators};
@@ -78,13 +75,13 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
     if let Err(error) = equality::read(root, &source, &reader.references, &mut reader.tree) {
         reader.errors.push(error);
     }
-    let driven = acting::drive(root, (&source, &classes), &mut reader.tree.joints);
+    let driven = actuators::drive(root, (&source, &classes), &mut reader.tree.joints);
     reader.errors.extend(driven.err());
     for joint in &mut reader.tree.joints {
-        if acting::is_disabled(root, "damper") {
+        if actuators::is_disabled(root, "damper") {
             (joint.friction.viscous_nm_s_rad, joint.driven[1]) = (0.0, 0.0);
         }
-        if acting::is_disabled(root, "frictionloss") {
+        if actuators::is_disabled(root, "frictionloss") {
             joint.friction.coulomb_nm = 0.0;
         }
     }
@@ -371,8 +368,8 @@ impl<'a, 'x> Reader<'a, 'x> {
             let what = "`springdamper` is not read; write out its stiffness and damping; it is in";
             self.tree.notes.push(of(what, &self.damped));
         }
-        self.tree.notes.extend(acting::notes(root));
-        if !self.springs.is_empty() && !acting::is_disabled(root, "spring") {
+        self.tree.notes.extend(actuators::notes(root));
+        if !self.springs.is_empty() && !actuators::is_disabled(root, "spring") {
             self.tree
                 .notes
                 .push(of("springs are not read; an arm term `spring` is one; they are in", &self.springs));

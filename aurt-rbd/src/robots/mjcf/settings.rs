@@ -1,10 +1,11 @@
-//! `<compiler>`: how the file is to be read.
+//! `<compiler>`: how the file is to be read; the six ways in which MJCF writes an orientation.
 
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
-use super::orientation::Angles;
 use crate::robots::RobotError;
 use crate::robots::element::{Element, Source};
+use crate::robots::pose::Pose;
 
 /// What makes a file readable that is not so as it stands. Without `saveinertial` MuJoCo does not write masses of shapes.
 pub(super) const WRITE_OUT: &str = "let MuJoCo write the file out: put `saveinertial=\"true\"` into its <compiler> \
@@ -92,4 +93,104 @@ impl Settings {
             _ => Ok(()),
         }
     }
+}
+
+/// The attributes of an element, its class's among them.
+type Of<'f, 'x> = dyn Fn(&str) -> Option<&'x str> + 'f;
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Angles {
+    /// An angle's unit in rad.
+    pub unit_rad: f64,
+    /// The axes of `euler` in their order, from 0, and whether each is fixed (else it turns with the frame).
+    pub euler: [(usize, bool); 3],
+}
+
+impl Angles {
+    /// MuJoCo's defaults: degrees, x y z that turn with the frame.
+    pub const DEFAULT: Self =
+        Self { unit_rad: std::f64::consts::PI / 180.0, euler: [(0, false), (1, false), (2, false)] };
+
+    /// The order of `eulerseq`, such as `xyz` (turning axes) or `XYZ` (fixed axes).
+    pub fn order(text: &str) -> Option<[(usize, bool); 3]> {
+        let axes: Option<Vec<(usize, bool)>> = text
+            .chars()
+            .map(|c| {
+                Some((['x', 'y', 'z'].iter().position(|a| *a == c.to_ascii_lowercase())?, c.is_uppercase()))
+            })
+            .collect();
+        axes?.try_into().ok()
+    }
+
+    /// The `pos` and the orientation of an element.
+    pub fn pose(&self, element: &Element<'_, '_>) -> Result<Pose, RobotError> {
+        self.pose_by(element, &|name| element.node.attribute(name))
+    }
+
+    /// The same of an element whose attributes are those of `of`.
+    pub fn pose_by<'x>(&self, element: &Element<'_, 'x>, of: &Of<'_, 'x>) -> Result<Pose, RobotError> {
+        let position: [f64; 3] =
+            of("pos").map(|text| element.parsed("pos", text)).transpose()?.unwrap_or_default();
+        Ok(Pose { rotation: self.rotation(element, of)?, origin_m: position.into() })
+    }
+
+    fn rotation<'x>(&self, element: &Element<'_, 'x>, of: &Of<'_, 'x>) -> Result<Matrix3<f64>, RobotError> {
+        const WAYS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
+        let given: Vec<(&str, &str)> = WAYS.into_iter().filter_map(|way| Some((way, of(way)?))).collect();
+        let (way, text) = match given[..] {
+            [] => return Ok(Matrix3::identity()),
+            [given] => given,
+            [(first, _), (second, _), ..] => {
+                return Err(
+                    element.error(format!("`{first}` and `{second}` are two orientations; remove one"))
+                );
+            }
+        };
+        let direction = |v: Vector3<f64>| {
+            if v.norm() < 1e-10 {
+                Err(element.error(format!("`{way}` has no direction")))
+            } else {
+                Ok(v.normalize())
+            }
+        };
+        Ok(match way {
+            "quat" => {
+                let [w, x, y, z] = element.parsed(way, text)?;
+                let quaternion = Quaternion::new(w, x, y, z);
+                if quaternion.norm() < 1e-10 {
+                    return Err(element.error("`quat` is zero; it is w x y z of a rotation"));
+                }
+                UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner()
+            }
+            "axisangle" => {
+                let [x, y, z, angle] = element.parsed(way, text)?;
+                let axis = direction(Vector3::new(x, y, z))?;
+                Rotation3::new(axis * angle * self.unit_rad).into_inner()
+            }
+            "euler" => {
+                let mut rotation = Rotation3::identity();
+                for ((axis, fixed), angle) in self.euler.into_iter().zip(element.parsed::<3>(way, text)?) {
+                    let mut vector = Vector3::zeros();
+                    vector[axis] = angle * self.unit_rad;
+                    let turn = Rotation3::new(vector);
+                    rotation = if fixed { turn * rotation } else { rotation * turn };
+                }
+                rotation.into_inner()
+            }
+            "xyaxes" => {
+                let [a, b, c, d, e, f] = element.parsed(way, text)?;
+                let x = direction(Vector3::new(a, b, c))?;
+                let y = Vector3::new(d, e, f);
+                let y = direction(y - x * x.dot(&y))?;
+                Matrix3::from_columns(&[x, y, x.cross(&y)])
+            }
+            _ => z_onto(&direction(element.parsed::<3>(way, text)?.into())?),
+        })
+    }
+}
+
+/// The smallest rotation that takes the z axis to a direction; to the opposite direction half a turn about x.
+pub(super) fn z_onto(direction: &Vector3<f64>) -> Matrix3<f64> {
+    let turn = Rotation3::rotation_between(&Vector3::z(), direction);
+    turn.unwrap_or_else(|| Rotation3::new(Vector3::x() * std::f64::consts::PI)).into_inner()
 }

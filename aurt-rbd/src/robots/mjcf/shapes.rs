@@ -5,12 +5,10 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix3, Vector3};
 
 use super::classes::Classes;
-use super::orientation::z_onto;
-use super::settings::{Settings, WRITE_OUT};
+use super::settings::{Settings, WRITE_OUT, z_onto};
 use crate::robots::RobotError;
-use crate::robots::body::Body;
 use crate::robots::element::Element;
-use crate::robots::pose::Pose;
+use crate::robots::pose::{Body, Pose};
 
 /// Density of a shape that states neither mass nor density, kg/m³.
 const DENSITY_KG_M3: f64 = 1000.0;

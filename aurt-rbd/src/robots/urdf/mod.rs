@@ -8,9 +8,8 @@ use crate::Placement;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
-use crate::robots::body::Body;
 use crate::robots::element::{Element, Source};
-use crate::robots::pose::Pose;
+use crate::robots::pose::{Body, Pose};
 use crate::robots::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
 use crate::robots::{JointFriction, JointLimits, RobotError, RobotErrors};
 
