@@ -47,7 +47,6 @@ pub enum SimulationError {
         joint: usize,
         /// `position`, `velocity`, `acceleration` or `torque`.
         quantity: &'static str,
-        /// Unit of value and limit.
         unit: &'static str,
         value: f64,
         limit: f64,
@@ -86,11 +85,7 @@ pub enum SimulationError {
     },
     /// A file or folder that cannot be written or read.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Io { path: PathBuf, source: std::io::Error },
     #[error("the simulated recording cannot be preprocessed: {reason}")]
     Preprocessing { reason: String },
     #[error(transparent)]
@@ -109,9 +104,6 @@ impl SimulationError {
     }
 
     /// Refuses a text of so many tables that reading it would take minutes.
-    ///
-    /// # Errors
-    /// [`Self::Syntax`].
     pub fn refuse_tables(path: &Path, text: &str) -> Result<(), Self> {
         let reason =
             format!("such a file has at most {} tables, and this is one more", aurt_files::MOST_TABLES);
@@ -139,9 +131,6 @@ impl SimulationError {
     }
 
     /// The text of a file.
-    ///
-    /// # Errors
-    /// [`Self::Io`].
     pub fn text_of(path: &Path) -> Result<String, Self> {
         let io = |source| Self::Io { path: path.into(), source };
         aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(io)
@@ -153,9 +142,6 @@ impl SimulationError {
     }
 
     /// Nothing for no errors, the error for one, all of them for several.
-    ///
-    /// # Errors
-    /// The errors.
     pub fn all(mut errors: Vec<Self>) -> Result<(), Self> {
         match errors.len() {
             0 => Ok(()),
@@ -209,9 +195,6 @@ impl Complaints {
     }
 
     /// Nothing, the complaint, or all of them.
-    ///
-    /// # Errors
-    /// What was complained of.
     pub fn finish(self) -> Result<(), SimulationError> {
         SimulationError::all(self.0)
     }

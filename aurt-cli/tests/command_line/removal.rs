@@ -15,7 +15,7 @@ fn an_effect_that_is_withheld_is_not_looked_for() {
     let folder = Folder::new().with_concealed(PLAN, 3);
     for case in ["case_0001", "case_0004"] {
         let experiment = format!("cases/{case}/experiment.toml");
-        folder.aurt(["diagnose", &experiment, "--verdict-only", "--without", "backlash", "--out", "said"]);
+        folder.run(format!("diagnose {experiment} --verdict-only --without backlash --out said"));
         let verdict = folder.json("said/verdict.json");
         let some = |key: &str| verdict[key].as_array().is_some_and(|list| !list.is_empty());
         assert!(!names(&verdict).contains(&"backlash".to_owned()), "{verdict:#}");

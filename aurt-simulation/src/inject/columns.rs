@@ -41,9 +41,6 @@ impl StructureColumns {
     }
 
     /// The columns for a simulated robot's geometry, gravity and bodies.
-    ///
-    /// # Errors
-    /// Errors of the rigid bodies.
     pub fn of_robot(robot: &Robot, structure: &Structure) -> Result<Self, SimulationError> {
         let columns = Self::new(Arc::new(robot.chain()?), structure.clone())?;
         Ok(Self { standard: robot.standard_parameters(), ..columns })

@@ -95,9 +95,6 @@ impl OwnModel {
     }
 
     /// The rows of a recording.
-    ///
-    /// # Errors
-    /// If a series cannot be filtered.
     pub fn rows_of(&self, recording: &Preprocessed) -> Result<Rows, SimulationError> {
         let joints = self.columns.joints();
         let mut rows = Rows {

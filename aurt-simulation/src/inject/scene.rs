@@ -41,13 +41,11 @@ impl Scene {
         })
     }
 
-    /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.motion.joints()
     }
 
-    /// Number of samples.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.motion.samples()

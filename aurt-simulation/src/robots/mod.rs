@@ -19,8 +19,7 @@ use aurt_rbd::{ChainDynamics, JointKind, LinkBody, MdhRow, MdhRows, MdhTable, Se
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 
 /// A robot as it is built: geometry, bodies, drives and what its limits and sensors are.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,9 +100,6 @@ pub enum Rotors {
 
 impl Robot {
     /// The robot of a name.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownRobot`].
     pub fn named(name: &str) -> Result<Self, SimulationError> {
         Self::all().into_iter().find(|robot| robot.name == name).ok_or_else(|| {
             SimulationError::UnknownRobot {
@@ -164,16 +160,12 @@ impl Robot {
         Self::of_geometry(name, vec![row(0.0, 0.0, 0.0); limits.len()], [0.0; 3], limits)
     }
 
-    /// Number of joints N.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.drives.len()
     }
 
     /// The kinematic chain under the robot's gravity.
-    ///
-    /// # Errors
-    /// Whatever [`SerialChain::from_mdh`] says.
     pub fn chain(&self) -> Result<SerialChain, SimulationError> {
         let table = MdhTable { rows: self.mdh.clone(), reading: MdhRows::Next };
         Ok(SerialChain::from_mdh(&table, self.gravity_m_s2)?)
@@ -187,9 +179,6 @@ impl Robot {
 
     /// What each link's joint alone would have to accelerate at home, the other joints free and without any
     /// rotor: 1/(M⁻¹)_jj, kg m².
-    ///
-    /// # Errors
-    /// Whatever the rigid bodies say.
     pub fn link_inertia_kg_m2(&self) -> Result<Vec<f64>, SimulationError> {
         let n = self.joints();
         let home: Vec<f64> = self.drives.iter().map(|d| d.home_rad).collect();
