@@ -178,19 +178,17 @@ impl Complaints {
         }
     }
 
-    /// Complains unless `joint` is one of the robot's.
-    pub fn joint(&mut self, what: impl Into<String>, joint: usize, robot: &str, available: usize) {
-        if joint >= available {
-            let (what, robot) = (what.into(), robot.to_owned());
-            self.0.push(SimulationError::NoSuchPart { what, part: "joint", index: joint, robot, available });
-        }
-    }
-
-    /// Complains unless `link` is one of the robot's.
-    pub fn link(&mut self, what: impl Into<String>, link: usize, robot: &str, available: usize) {
-        if link >= available {
-            let (what, robot) = (what.into(), robot.to_owned());
-            self.0.push(SimulationError::NoSuchPart { what, part: "link", index: link, robot, available });
+    /// Complains unless a part, `joint` or `link`, is one of the `available` ones of a robot.
+    pub fn part(
+        &mut self,
+        what: String,
+        part: &'static str,
+        index: usize,
+        (robot, available): (&str, usize),
+    ) {
+        if index >= available {
+            let robot = robot.to_owned();
+            self.0.push(SimulationError::NoSuchPart { what, part, index, robot, available });
         }
     }
 

@@ -131,7 +131,7 @@ impl ScenarioFile {
         let mut robot = named.with_rotors(self.rotors.unwrap_or(Rotors::Geared));
         for (k, change) in self.links.iter().enumerate() {
             let mut complaints = Complaints::default();
-            complaints.link("`[[link]]`", change.index, &robot.name, robot.links.len());
+            complaints.part("`[[link]]`".into(), "link", change.index, (&robot.name, robot.links.len()));
             complaints.finish().map_err(|error| ("link", k, error))?;
             let link = &mut robot.links[change.index];
             set(&mut link.mass_kg, change.mass_kg);
@@ -141,7 +141,7 @@ impl ScenarioFile {
         }
         for (k, change) in self.drives.iter().enumerate() {
             let mut complaints = Complaints::default();
-            complaints.joint("`[[drive]]`", change.joint, &robot.name, robot.drives.len());
+            complaints.part("`[[drive]]`".into(), "joint", change.joint, (&robot.name, robot.drives.len()));
             complaints.finish().map_err(|error| ("drive", k, error))?;
             let drive = &mut robot.drives[change.joint];
             set(&mut drive.rotor_inertia_kg_m2, change.rotor_inertia_kg_m2);

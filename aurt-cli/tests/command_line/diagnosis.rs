@@ -27,7 +27,7 @@ fn truth(folder: &Folder, case: &str) -> Value {
 /// named so.
 #[test]
 fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
-    let plan = "[singles]\nrobots = ['ur10e']\n\
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\n\
                 effects = ['rotor_inertia', 'joint_coupling_friction', 'viscous_asymmetry']\n\
                 strengths = ['medium']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 2024);
@@ -60,8 +60,8 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
 /// the exponent.
 #[test]
 fn the_law_of_stribeck_friction_is_that_of_the_robot() {
-    let plan = "[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
-    let folder = Folder::new().with_concealed(plan, 2024);
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
+    let folder = Folder::new().with_concealed(plan, 4);
     let hidden = &truth(&folder, "case_0001")["effects"][0];
     let found = verdict(&folder, "case_0001", &[]);
     assert_eq!(found["verdict"], "named", "{hidden} {found}");
@@ -111,7 +111,7 @@ fn friction_beside_a_load_is_no_noise() {
 /// Physics that no candidate describes is not given a name, and nothing is nothing.
 #[test]
 fn unknown_effects_stay_unexplained_and_nulls_are_null() {
-    let plan = "[unknown_effects]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
+    let plan = "[recordings]\nduration_s = 10.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
                 [nulls]\nrobots = ['ur10e']\ncount = 1\n";
     let folder = Folder::new().with_concealed(plan, 2025);
     for case in ["case_0001", "case_0002"] {
@@ -363,8 +363,7 @@ fn short_and_empty_recordings_are_no_excuse() {
 /// With an effect withheld its detector masks nothing.
 #[test]
 fn a_contact_that_may_not_be_named_is_not_masked_either() {
-    let plan =
-        "[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 2026);
     let case = "case_0001";
     let joints = truth(&folder, case)["effects"][0]["joints"].clone();

@@ -26,7 +26,7 @@ fn leaves_something(verdict: &Value) -> bool {
 #[test]
 fn a_law_that_only_a_library_has_is_found_and_modelled() {
     let folder = Folder::new().with_concealed(
-        "[recordings]\nduration_s = 20.0\nrate_hz = 125.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
+        "[recordings]\nduration_s = 10.0\nrate_hz = 125.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
          strengths = ['strong']\ntrials = 1\n",
         31,
     );
@@ -95,7 +95,7 @@ fn a_law_that_only_a_library_has_is_found_and_modelled() {
 #[test]
 fn a_library_changes_nothing_where_its_laws_are_not() {
     let folder = Folder::new().with_concealed(
-        "[recordings]\nduration_s = 20.0\nrate_hz = 125.0\n[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
+        "[recordings]\nduration_s = 10.0\nrate_hz = 125.0\n[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
          strengths = ['medium']\ntrials = 1\n[nulls]\nrobots = ['ur10e']\ncount = 2\n",
         32,
     );

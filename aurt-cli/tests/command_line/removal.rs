@@ -4,8 +4,7 @@ use serde_json::Value;
 
 use crate::support::Folder;
 
-const PLAN: &str =
-    "[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\nstrengths = ['strong']\ntrials = 4\n";
+const PLAN: &str = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\nstrengths = ['strong']\ntrials = 4\n";
 
 /// The diagnosis that may not name play does not look for it either: it has no reason to say that something is
 /// unexplained but what it shows, which is structure on a joint, an effect or a registered model. In the last of these

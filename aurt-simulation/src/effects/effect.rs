@@ -95,7 +95,7 @@ pub enum Hidden {
 /// Complains about joints that the robot does not have, none at all, or one named twice.
 pub fn check_joints(complaints: &mut Complaints, effect: &str, joints: &[usize], robot: &Robot) {
     for (i, joint) in joints.iter().enumerate() {
-        complaints.joint(format!("`{effect}`"), *joint, &robot.name, robot.joints());
+        complaints.part(format!("`{effect}`"), "joint", *joint, (&robot.name, robot.joints()));
         if joints[..i].contains(joint) {
             let reason = "it is named twice";
             complaints.0.push(SimulationError::value(

@@ -155,7 +155,7 @@ impl Checks<'_> {
     /// Complains about a link that the robot does not have.
     pub fn link(&mut self, link: usize) {
         let Robot { name, links, .. } = self.robot;
-        self.found.link(format!("`{}`", self.effect), link, name, links.len());
+        self.found.part(format!("`{}`", self.effect), "link", link, (name, links.len()));
     }
 
     /// Complains about joints that the robot does not have, none at all, or one named twice.

@@ -124,7 +124,7 @@ impl Robot {
         gravity_m_s2: [f64; 3],
         limits: &[MotionLimits],
     ) -> Self {
-        let ball = body(1.0, [0.0; 3], [4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]);
+        let balls = vec![[1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]; mdh.len()];
         let drive = |limits: &MotionLimits| Drive {
             gear_ratio: 1.0,
             rotor_inertia_kg_m2: 0.0,
@@ -145,7 +145,7 @@ impl Robot {
         };
         Self {
             name: name.into(),
-            links: vec![ball; mdh.len()],
+            links: bodies(&balls),
             mdh,
             gravity_m_s2,
             drives: limits.iter().map(drive).collect(),
@@ -265,9 +265,14 @@ fn row(alpha_rad: f64, a_m: f64, d_m: f64) -> MdhRow {
     MdhRow { kind: JointKind::Revolute, alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
 }
 
-/// A body from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
-fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
-    LinkBody { mass_kg, com_m, inertia_at_com_kg_m2 }
+/// Bodies, each from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
+fn bodies(rows: &[[f64; 10]]) -> Vec<LinkBody> {
+    let body = |&[mass_kg, x, y, z, xx, xy, xz, yy, yz, zz]: &[f64; 10]| LinkBody {
+        mass_kg,
+        com_m: [x, y, z],
+        inertia_at_com_kg_m2: [xx, xy, xz, yy, yz, zz],
+    };
+    rows.iter().map(body).collect()
 }
 
 #[cfg(test)]
