@@ -78,7 +78,7 @@ fn a_link_to_a_deleted_file_is_written_to_and_stays() {
     assert!(file.metadata().unwrap().len() > 1000);
     // A link that leads nowhere yet keeps its place too.
     symlink("target.csv", folder.path("link.csv")).unwrap();
-    folder.run(&motion.replace("/proc/self/fd/1", "link.csv")).succeeded();
+    folder.run(motion.replace("/proc/self/fd/1", "link.csv")).succeeded();
     assert!(fs::symlink_metadata(folder.path("link.csv")).unwrap().is_symlink());
     assert!(folder.read("target.csv").starts_with("time,"));
 }
@@ -318,13 +318,17 @@ fn pipes_and_devices_end() {
         ("predict --model kernel --data other_motion.csv --out p.csv", "kernel"),
         ("predict --model zero --data other_motion.csv --out p.csv", "device"),
     ];
-    let ends = |(line, said): (&str, &str)| {
+    let ends = |(k, (line, said)): (usize, (&str, &str))| {
         let begin = Instant::now();
-        folder.run(line).refused(&[said]);
+        folder.run(line.replace("--out ", &format!("--out {k}_"))).refused(&[said]);
         assert!(begin.elapsed() < Duration::from_secs(60), "{line}: {:?}", begin.elapsed());
     };
-    // They wait for a writer: all at the same time.
-    std::thread::scope(|scope| lines.into_iter().for_each(|line| drop(scope.spawn(move || ends(line)))));
+    // They wait for a writer: all at the same time, each with an output of its own.
+    std::thread::scope(|scope| {
+        for line in lines.into_iter().enumerate() {
+            scope.spawn(move || ends(line));
+        }
+    });
 }
 
 #[test]
