@@ -3,6 +3,22 @@
 use std::fmt;
 
 use aurt_rbd::gravity_complaint;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// A word of an option, what help says of it, and the value that it stands for.
+pub type Choice<T> = (&'static str, &'static str, T);
+
+/// Takes one of a few words.
+pub fn choice<T: Clone + Send + Sync>(choices: &'static [Choice<T>]) -> impl TypedValueParser<Value = T> {
+    let shown = |(word, help, _): &Choice<T>| {
+        let word = PossibleValue::new(*word);
+        if help.is_empty() { word } else { word.help(*help) }
+    };
+    PossibleValuesParser::new(choices.iter().map(shown)).try_map(|word| {
+        let meant = choices.iter().find(|(known, ..)| *known == word);
+        meant.map(|(.., value)| value.clone()).ok_or("no such word")
+    })
+}
 
 /// Numbers separated by spaces, commas or both, in brackets or not.
 pub fn parse_numbers(text: &str) -> Result<Vec<f64>, String> {

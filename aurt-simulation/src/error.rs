@@ -47,7 +47,6 @@ pub enum SimulationError {
         joint: usize,
         /// `position`, `velocity`, `acceleration` or `torque`.
         quantity: &'static str,
-        /// Unit of value and limit.
         unit: &'static str,
         value: f64,
         limit: f64,
@@ -86,11 +85,7 @@ pub enum SimulationError {
     },
     /// A file or folder that cannot be written or read.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Io { path: PathBuf, source: std::io::Error },
     #[error("the simulated recording cannot be preprocessed: {reason}")]
     Preprocessing { reason: String },
     #[error(transparent)]
@@ -109,9 +104,6 @@ impl SimulationError {
     }
 
     /// Refuses a text of so many tables that reading it would take minutes.
-    ///
-    /// # Errors
-    /// [`Self::Syntax`].
     pub fn refuse_tables(path: &Path, text: &str) -> Result<(), Self> {
         let reason =
             format!("such a file has at most {} tables, and this is one more", aurt_files::MOST_TABLES);
@@ -139,9 +131,6 @@ impl SimulationError {
     }
 
     /// The text of a file.
-    ///
-    /// # Errors
-    /// [`Self::Io`].
     pub fn text_of(path: &Path) -> Result<String, Self> {
         let io = |source| Self::Io { path: path.into(), source };
         aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(io)
@@ -153,9 +142,6 @@ impl SimulationError {
     }
 
     /// Nothing for no errors, the error for one, all of them for several.
-    ///
-    /// # Errors
-    /// The errors.
     pub fn all(mut errors: Vec<Self>) -> Result<(), Self> {
         match errors.len() {
             0 => Ok(()),
@@ -192,26 +178,21 @@ impl Complaints {
         }
     }
 
-    /// Complains unless `joint` is one of the robot's.
-    pub fn joint(&mut self, what: impl Into<String>, joint: usize, robot: &str, available: usize) {
-        if joint >= available {
-            let (what, robot) = (what.into(), robot.to_owned());
-            self.0.push(SimulationError::NoSuchPart { what, part: "joint", index: joint, robot, available });
-        }
-    }
-
-    /// Complains unless `link` is one of the robot's.
-    pub fn link(&mut self, what: impl Into<String>, link: usize, robot: &str, available: usize) {
-        if link >= available {
-            let (what, robot) = (what.into(), robot.to_owned());
-            self.0.push(SimulationError::NoSuchPart { what, part: "link", index: link, robot, available });
+    /// Complains unless a part, `joint` or `link`, is one of the `available` ones of a robot.
+    pub fn part(
+        &mut self,
+        what: String,
+        part: &'static str,
+        index: usize,
+        (robot, available): (&str, usize),
+    ) {
+        if index >= available {
+            let robot = robot.to_owned();
+            self.0.push(SimulationError::NoSuchPart { what, part, index, robot, available });
         }
     }
 
     /// Nothing, the complaint, or all of them.
-    ///
-    /// # Errors
-    /// What was complained of.
     pub fn finish(self) -> Result<(), SimulationError> {
         SimulationError::all(self.0)
     }

@@ -83,9 +83,6 @@ pub fn trace(scenario: &Scenario) -> Result<Traces, SimulationError> {
 }
 
 /// The same with the sensors that belong to it.
-///
-/// # Errors
-/// As [`trace`].
 pub fn trace_with_instrument(scenario: &Scenario) -> Result<(Traces, Instrument), SimulationError> {
     let setup = scenario.set_up()?;
     let traces = plant::run(setup.machine, &scenario.controller, &scenario.trajectory)?;
@@ -101,9 +98,6 @@ pub fn simulate(scenario: &Scenario) -> Result<SimulatedRecording, SimulationErr
 }
 
 /// What the logger writes of a scenario, and what really happened.
-///
-/// # Errors
-/// As [`simulate`].
 pub fn simulate_with_traces(scenario: &Scenario) -> Result<(SimulatedRecording, Traces), SimulationError> {
     let setup = scenario.set_up()?;
     let logger = Logger { faults: setup.faults, ..scenario.logger };

@@ -6,8 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::effects::{Effect, read_effect};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::plant::Controller;
 use crate::robots::{Robot, Rotors};
 use crate::scenario::Scenario;
@@ -42,7 +41,6 @@ use crate::trajectory::Motion;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioFile {
-    /// Name of the robot.
     pub robot: String,
     /// Where its rotors' inertia is; geared unless said.
     pub rotors: Option<Rotors>,
@@ -53,7 +51,6 @@ pub struct ScenarioFile {
     /// How it is driven.
     #[serde(default)]
     pub controller: Controller,
-    /// What is recorded.
     #[serde(default)]
     pub logger: Logger,
     /// How its links differ from the included robot's.
@@ -71,7 +68,6 @@ pub struct ScenarioFile {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinkChange {
-    /// Which.
     pub index: usize,
     pub mass_kg: Option<f64>,
     /// Centre of mass in the link's frame, m.
@@ -85,7 +81,6 @@ pub struct LinkChange {
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the fields are those of `Drive`")]
 pub struct DriveChange {
-    /// Which joint's.
     pub joint: usize,
     pub rotor_inertia_kg_m2: Option<f64>,
     pub torque_constant_nm_per_a: Option<f64>,
@@ -127,9 +122,6 @@ impl ScenarioFile {
     }
 
     /// The scenario, planned and checked.
-    ///
-    /// # Errors
-    /// The first thing about it that cannot be.
     pub fn scenario(&self) -> Result<Scenario, SimulationError> {
         self.planned().map_err(|(_, _, error)| error)
     }
@@ -139,7 +131,7 @@ impl ScenarioFile {
         let mut robot = named.with_rotors(self.rotors.unwrap_or(Rotors::Geared));
         for (k, change) in self.links.iter().enumerate() {
             let mut complaints = Complaints::default();
-            complaints.link("`[[link]]`", change.index, &robot.name, robot.links.len());
+            complaints.part("`[[link]]`".into(), "link", change.index, (&robot.name, robot.links.len()));
             complaints.finish().map_err(|error| ("link", k, error))?;
             let link = &mut robot.links[change.index];
             set(&mut link.mass_kg, change.mass_kg);
@@ -149,7 +141,7 @@ impl ScenarioFile {
         }
         for (k, change) in self.drives.iter().enumerate() {
             let mut complaints = Complaints::default();
-            complaints.joint("`[[drive]]`", change.joint, &robot.name, robot.drives.len());
+            complaints.part("`[[drive]]`".into(), "joint", change.joint, (&robot.name, robot.drives.len()));
             complaints.finish().map_err(|error| ("drive", k, error))?;
             let drive = &mut robot.drives[change.joint];
             set(&mut drive.rotor_inertia_kg_m2, change.rotor_inertia_kg_m2);

@@ -25,7 +25,7 @@ use super::{
     calibrate::model_under_gravity,
     data_options::{FittingOptions, ReadingOptions},
     plots::PlotOptions,
-    run::{drawn_text, written_text},
+    run::delivered,
 };
 use crate::{
     rendering::terminal::Report,
@@ -127,16 +127,10 @@ impl CalibrateValidate {
         let mut json = results.to_json();
         let page = reports::calibration::page("calibrate-validate", &results, None, &json);
         outputs.file(&report, page.to_html().into_bytes());
-        let mut written = outputs.paths();
-        let drawn = outputs.figures(&page, plots.as_ref());
-        outputs.write()?;
         json["command"] = json!("calibrate-validate");
         json["calibration_data_rel"] = json!(self.calibration_data_rel);
-        let text =
-            results.to_text(terminal.style()) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
-        written.extend(drawn);
-        json["outputs"] = json!(written);
-        Ok(Report { text, json, findings: false })
+        let text = results.to_text(terminal.style());
+        delivered(outputs, &page, plots.as_ref(), Report { text, json, findings: false })
     }
 }
 

@@ -9,21 +9,21 @@ use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
 };
-use aurt_rbd::MdhTable;
+use aurt_rbd::{MdhRows, MdhTable};
 use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 
 use super::{
     Session, checked_setup,
-    compile_rbd::Rows,
+    compile_rbd::ROWS,
     data_options::ReadingOptions,
     plots::PlotOptions,
     run::{drawn_text, written_text},
 };
 use crate::{
     rendering::terminal::Report,
-    values::{Gravity, parse_gravity, parse_positive},
+    values::{Gravity, choice, parse_gravity, parse_positive},
 };
 
 /// Check recordings before calibrating on them.
@@ -46,8 +46,8 @@ pub struct Check {
     #[arg(long, value_name = "MDH.csv")]
     mdh: Option<PathBuf>,
     /// Which joint a row's alpha and a lead to
-    #[arg(long, value_enum, default_value_t, requires = "mdh")]
-    mdh_rows: Rows,
+    #[arg(long, value_parser = choice(ROWS), default_value = "next", requires = "mdh")]
+    mdh_rows: MdhRows,
     /// Gravitational acceleration in the base frame, m/s²
     #[arg(
         long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true,
@@ -83,7 +83,7 @@ impl Check {
             return self.drives(experiment, session);
         }
         let fixed = checked_setup::place(self.fixed.as_deref(), experiment.as_ref())?;
-        let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
+        let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows)).transpose()?;
         let robot = match (&experiment, &table) {
             (Some(experiment), _) => Known::Experiment(experiment),
             (None, Some(table)) => Known::Table(table, self.gravity.0),

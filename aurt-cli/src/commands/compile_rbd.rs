@@ -10,12 +10,13 @@ use aurt_plugins::model::{
 };
 use aurt_rbd::{MdhRows, MdhTable, SerialChain};
 use aurt_report::rendering::table::Table;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
+use super::Session;
 use crate::{
     rendering::terminal::Report,
-    values::{Gravity, parse_gravity},
+    values::{Choice, Gravity, choice, parse_gravity},
 };
 
 /// Compile rigid-body dynamics from modified Denavit–Hartenberg parameters.
@@ -33,8 +34,8 @@ pub struct CompileRbd {
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Gravity,
     /// Which joint a row's alpha and a lead to
-    #[arg(long, value_enum, default_value_t)]
-    mdh_rows: Rows,
+    #[arg(long, value_parser = choice(ROWS), default_value = "next")]
+    mdh_rows: MdhRows,
     /// Names of the joints, base first, by which recordings are matched
     #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',')]
     joint_names: Vec<String>,
@@ -43,29 +44,20 @@ pub struct CompileRbd {
     out: PathBuf,
 }
 
-/// Which joint the alpha and a of a row lead to.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub enum Rows {
-    /// The next one, as in the paper's Table I; alpha and a of the first joint are zero.
-    #[default]
-    Next,
-    /// The row's own, as in Craig's book.
-    Previous,
-}
-
-impl From<Rows> for MdhRows {
-    fn from(rows: Rows) -> Self {
-        match rows {
-            Rows::Next => Self::Next,
-            Rows::Previous => Self::Previous,
-        }
-    }
-}
+/// The joint that alpha and a of a row lead to.
+pub const ROWS: &[Choice<MdhRows>] = &[
+    (
+        "next",
+        "The next one, as in the paper's Table I; alpha and a of the first joint are zero",
+        MdhRows::Next,
+    ),
+    ("previous", "The row's own, as in Craig's book", MdhRows::Previous),
+];
 
 impl CompileRbd {
-    pub fn run(&self) -> Result<Report, Failure> {
+    pub fn run(&self, _: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.mdh])?;
-        let table = MdhTable::from_path(&self.mdh, self.mdh_rows.into())?;
+        let table = MdhTable::from_path(&self.mdh, self.mdh_rows)?;
         let chain =
             SerialChain::from_mdh(&table, self.gravity.0)?.with_joint_names(self.joint_names.clone())?;
         let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED)?;

@@ -7,18 +7,18 @@ use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoi
 use aurt_experiment::experiment::numbered_columns;
 use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef, RecordedAs};
 use aurt_traits::MeasurementUnit;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Deserialize;
 
-use crate::values::{Constants, parse_positive, parse_torque_constants};
+use crate::values::{Choice, Constants, choice, parse_positive, parse_torque_constants};
 
 /// How to read recordings.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading recordings")]
 pub struct ReadingOptions {
     /// Unit of the measurement, where column names do not tell
-    #[arg(long, value_enum)]
-    unit: Option<Unit>,
+    #[arg(long, value_parser = choice(UNITS))]
+    unit: Option<MeasurementUnit>,
     /// Where to find what, where column names do not tell; columns count from 0, [first, last] per quantity
     #[arg(
         long,
@@ -56,16 +56,8 @@ impl JointOptions {
     }
 }
 
-/// A unit of measurement.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Unit {
-    /// Motor current
-    #[value(name = "A")]
-    Ampere,
-    /// Joint torque
-    #[value(name = "Nm")]
-    NewtonMetre,
-}
+const UNITS: &[Choice<MeasurementUnit>] =
+    &[("A", "Motor current", MeasurementUnit::Ampere), ("Nm", "Joint torque", MeasurementUnit::NewtonMetre)];
 
 impl ReadingOptions {
     /// A recording read in this way.
@@ -74,10 +66,7 @@ impl ReadingOptions {
             file: file.to_owned(),
             label: file.display().to_string(),
             window_s: None,
-            unit: self.unit.map(|unit| match unit {
-                Unit::Ampere => MeasurementUnit::Ampere,
-                Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
-            }),
+            unit: self.unit,
             columns: self.columns.clone(),
             recorded: self.joints.recorded(),
         }
@@ -101,36 +90,26 @@ pub struct FittingOptions {
     #[arg(long, value_name = "K K …", value_parser = parse_torque_constants, allow_hyphen_values = true)]
     torque_constants: Option<Constants>,
     /// Least-squares weights: 1/σ² of each joint, or all alike
-    #[arg(long, value_enum, default_value = "wls")]
-    estimator: EstimatorName,
+    #[arg(long, value_parser = choice(ESTIMATORS), default_value = "wls")]
+    estimator: Estimator,
     /// Load torque of load-dependent friction: from a first fit, or the paper's sum of the regressor row
-    #[arg(long, value_enum, default_value = "fitted")]
-    load_torque: LoadTorqueName,
+    #[arg(long, value_parser = choice(LOAD_TORQUES), default_value = "fitted")]
+    load_torque: LoadTorqueChoice,
     /// Samples at which a joint rests
-    #[arg(long, value_enum, default_value = "keep")]
-    rest: RestName,
+    #[arg(long, value_parser = choice(RESTS), default_value = "keep")]
+    rest: Rest,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum EstimatorName {
-    Wls,
-    Ols,
-    Consistent,
-    Essential,
-    Irls,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum LoadTorqueName {
-    Fitted,
-    Literal,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum RestName {
-    Keep,
-    Exclude,
-}
+const ESTIMATORS: &[Choice<Estimator>] = &[
+    ("wls", "", Estimator::Wls),
+    ("ols", "", Estimator::Ols),
+    ("consistent", "", Estimator::Consistent),
+    ("essential", "", Estimator::Essential),
+    ("irls", "", Estimator::Irls),
+];
+const LOAD_TORQUES: &[Choice<LoadTorqueChoice>] =
+    &[("fitted", "", LoadTorqueChoice::Fitted), ("literal", "", LoadTorqueChoice::Literal)];
+const RESTS: &[Choice<Rest>] = &[("keep", "", Rest::Keep), ("exclude", "", Rest::Exclude)];
 
 impl FittingOptions {
     pub fn preprocessing(&self) -> Preprocessing {
@@ -149,21 +128,9 @@ impl FittingOptions {
     /// How coefficients are found.
     pub const fn calibration(&self) -> CalibrationOptions {
         CalibrationOptions {
-            estimator: match self.estimator {
-                EstimatorName::Wls => Estimator::Wls,
-                EstimatorName::Ols => Estimator::Ols,
-                EstimatorName::Consistent => Estimator::Consistent,
-                EstimatorName::Essential => Estimator::Essential,
-                EstimatorName::Irls => Estimator::Irls,
-            },
-            load_torque: match self.load_torque {
-                LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,
-                LoadTorqueName::Literal => LoadTorqueChoice::Literal,
-            },
-            rest: match self.rest {
-                RestName::Keep => Rest::Keep,
-                RestName::Exclude => Rest::Exclude,
-            },
+            estimator: self.estimator,
+            load_torque: self.load_torque,
+            rest: self.rest,
             rest_velocity_rad_s: self.rest_velocity_rad_s,
             fit_shapes: true,
             deviations: Deviations::Memory,

@@ -13,7 +13,7 @@ use aurt_experiment::workbench::{
     driving::{diagnose_drives, second_opinion},
     failure::Failure,
     output::{OutputFolder, Outputs},
-    results::diagnosed_series,
+    results::{diagnosed_series, series::SeriesFormat},
 };
 use aurt_files::output::pretty;
 use aurt_plugins::{Registry, suggestion};
@@ -23,8 +23,9 @@ use serde_json::json;
 
 use super::{Session, plots::PlotOptions, run::write_drives};
 use crate::{
-    commands::run::{SeriesName, drawn_text, written_text},
+    commands::run::{SERIES, drawn_text, written_text},
     rendering::terminal::{Report, Terminal},
+    values::choice,
 };
 
 /// Locate the mismatch between a model and recordings, name the missing physics, and model it.
@@ -72,8 +73,8 @@ pub struct Diagnose {
     verdict_only: bool,
     /// Also write measurement, predictions and residuals of every recording, without and with the claimed
     /// effects, and the located windows, as series_<recording>.parquet or .mcap
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    series: Option<SeriesName>,
+    #[arg(long, value_parser = choice(SERIES), value_name = "FORMAT")]
+    series: Option<SeriesFormat>,
     /// Use at most this many rows of all recordings; of longer recordings evenly spread stretches are used
     #[arg(long, value_name = "ROWS", default_value_t = MOST_ROWS)]
     most_rows: usize,
@@ -137,8 +138,8 @@ impl Diagnose {
                 ("rd_improved.json".to_owned(), improved.model.to_file()?),
             ]);
         }
-        if let Some(name) = self.series {
-            files.extend(diagnosed_series::files(&diagnosis.series, &diagnosis.verdict, name.format())?);
+        if let Some(format) = self.series {
+            files.extend(diagnosed_series::files(&diagnosis.series, &diagnosis.verdict, format)?);
         }
         let mut outputs = Outputs::default();
         outputs.folder(&folder, files);

@@ -16,7 +16,10 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Session;
-use crate::rendering::terminal::{Emphasis, Report};
+use crate::{
+    rendering::terminal::{Emphasis, Report},
+    values::{Choice, choice},
+};
 
 /// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI, Isaac Lab.
 ///
@@ -52,11 +55,11 @@ pub struct Export {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// What an FMU computes
-    #[arg(long, value_enum, required_if_eq("target", "fmu"))]
-    kind: Option<KindName>,
+    #[arg(long, value_parser = choice(KINDS), required_if_eq("target", "fmu"))]
+    kind: Option<Kind>,
     /// Version of FMI: 2 (the one that is written)
-    #[arg(long, value_enum)]
-    fmi: Option<FmiName>,
+    #[arg(long, value_parser = choice(FMI))]
+    fmi: Option<u32>,
     /// Your MuJoCo or URDF file, with which the model was calibrated: written as FILE_calibrated with corrected
     /// dynamics; comments, shapes and everything else stay
     #[arg(long, value_name = "XML|URDF")]
@@ -94,22 +97,11 @@ pub enum TargetName {
     Isaac,
 }
 
-/// What an FMU computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum KindName {
-    /// Torques or currents of a motion
-    Inverse,
-    /// The motion that torques or currents make
-    Forward,
-}
-
-/// A version of FMI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FmiName {
-    /// FMI 2.0
-    #[value(name = "2")]
-    Two,
-}
+const KINDS: &[Choice<Kind>] = &[
+    ("inverse", "Torques or currents of a motion", Kind::Inverse),
+    ("forward", "The motion that torques or currents make", Kind::Forward),
+];
+const FMI: &[Choice<u32>] = &[("2", "FMI 2.0", 2)];
 
 impl Export {
     fn target(&self) -> Result<Target, Failure> {
@@ -138,10 +130,7 @@ impl Export {
             TargetName::Urdf => Target::Urdf,
             TargetName::Sdf => Target::Sdf,
             TargetName::Isaac => Target::Isaac,
-            TargetName::Fmu => Target::Fmu(match self.kind {
-                Some(KindName::Forward) => Kind::Forward,
-                Some(KindName::Inverse) | None => Kind::Inverse,
-            }),
+            TargetName::Fmu => Target::Fmu(self.kind.unwrap_or(Kind::Inverse)),
         })
     }
 

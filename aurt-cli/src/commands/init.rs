@@ -8,15 +8,15 @@ use aurt_experiment::doctor::{
     mistakes::Examination,
 };
 use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
-use aurt_rbd::robots::Part;
+use aurt_rbd::{MdhRows, robots::Part};
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, compile_rbd::Rows, data_options::ReadingOptions};
+use super::{Session, compile_rbd::ROWS, data_options::ReadingOptions};
 use crate::{
     rendering::terminal::{Report, can_ask, print_error},
-    values::{Constants, Gravity, parse_gravity, parse_torque_constants},
+    values::{Constants, Gravity, choice, parse_gravity, parse_torque_constants},
 };
 
 /// Write an experiment for a robot and its logs.
@@ -43,8 +43,8 @@ pub struct Init {
     #[arg(long, value_name = "NAME|FILE")]
     robot: Option<String>,
     /// Which joint the alpha and a of a table's row lead to
-    #[arg(long, value_enum)]
-    mdh_rows: Option<Rows>,
+    #[arg(long, value_parser = choice(ROWS))]
+    mdh_rows: Option<MdhRows>,
     /// Link from which the chain of a robot description starts
     #[arg(long, value_name = "LINK")]
     base: Option<String>,
@@ -88,7 +88,7 @@ impl Init {
         let out = OutputFile::new("--out", &self.out, &inputs)?;
         let known = Known {
             robot: self.robot()?,
-            mdh_rows: self.mdh_rows.map(Into::into),
+            mdh_rows: self.mdh_rows,
             base: self.base.clone(),
             part: match (&self.tip, &self.tips[..]) {
                 (Some(tip), _) => Part::Tips(vec![tip.clone()]),

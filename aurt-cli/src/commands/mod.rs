@@ -38,9 +38,26 @@ use clap::Subcommand;
 
 use crate::rendering::terminal::{Report, Terminal};
 
-/// What to do.
-#[derive(Debug, Subcommand)]
-pub enum Command {
+/// The commands, and how each is run.
+macro_rules! commands {
+    ($($name:ident($command:ty),)+) => {
+        /// What to do.
+        #[derive(Debug, Subcommand)]
+        pub enum Command {
+            $($name($command),)+
+        }
+
+        impl Command {
+            pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+                match self {
+                    $(Self::$name(command) => command.run(session),)+
+                }
+            }
+        }
+    };
+}
+
+commands! {
     Run(run::Run),
     Demo(demo::Demo),
     Check(check::Check),
@@ -93,36 +110,4 @@ pub struct Session<'a> {
     pub program: &'a [OsString],
     /// The command line's definition.
     pub definition: fn() -> clap::Command,
-}
-
-impl Command {
-    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        match self {
-            Self::Run(command) => command.run(session),
-            Self::Demo(command) => command.run(session),
-            Self::Check(command) => command.run(session),
-            Self::Init(command) => command.run(session),
-            Self::CompileRbd(command) => command.run(),
-            Self::CompileRd(command) => command.run(session),
-            Self::Calibrate(command) => command.run(session),
-            Self::CalibrateValidate(command) => command.run(session),
-            Self::Predict(command) => command.run(session),
-            Self::Sweep(command) => command.run(session),
-            Self::Diagnose(command) => command.run(session),
-            Self::Next(command) => command.run(session),
-            Self::Sensitivity(command) => command.run(session),
-            Self::Track(command) => command.run(session),
-            Self::Gains(command) => command.run(session),
-            Self::Simulate(command) => command.run(session),
-            Self::Excite(command) => command.run(session),
-            Self::Models(command) => command.run(session),
-            Self::Robots(command) => command.run(session),
-            Self::Explain(command) => command.run(session),
-            Self::Export(command) => command.run(session),
-            Self::NewPlugin(command) => command.run(),
-            Self::Trust(command) => command.run(),
-            Self::Completions(command) => command.run(session),
-            Self::Man(command) => command.run(session),
-        }
-    }
 }

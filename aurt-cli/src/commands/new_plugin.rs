@@ -4,10 +4,14 @@ use std::path::PathBuf;
 
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{PluginLanguage, new_plugin};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
-use crate::rendering::terminal::Report;
+use super::Session;
+use crate::{
+    rendering::terminal::Report,
+    values::{Choice, choice},
+};
 
 /// Write a plugin with a model to start from.
 ///
@@ -22,30 +26,22 @@ pub struct NewPlugin {
     #[arg(value_name = "NAME")]
     name: String,
     /// Language of the plugin
-    #[arg(long, value_enum, default_value = "rust")]
-    lang: Language,
+    #[arg(long, value_parser = choice(LANGUAGES), default_value = "rust")]
+    lang: PluginLanguage,
     /// Folder to write; by default the name, here
     #[arg(long, value_name = "DIR")]
     path: Option<PathBuf>,
 }
 
-/// The language of a plugin.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Language {
-    /// A crate, linked statically or built as a library
-    Rust,
-    /// A file, built as a library
-    C,
-}
+const LANGUAGES: &[Choice<PluginLanguage>] = &[
+    ("rust", "A crate, linked statically or built as a library", PluginLanguage::Rust),
+    ("c", "A file, built as a library", PluginLanguage::C),
+];
 
 impl NewPlugin {
-    pub fn run(&self) -> Result<Report, Failure> {
-        let language = match self.lang {
-            Language::Rust => PluginLanguage::Rust,
-            Language::C => PluginLanguage::C,
-        };
+    pub fn run(&self, _: &Session<'_>) -> Result<Report, Failure> {
         let folder = self.path.clone().unwrap_or_else(|| PathBuf::from(&self.name));
-        let plugin = new_plugin(&self.name, language, &folder)?;
+        let plugin = new_plugin(&self.name, self.lang, &folder)?;
         let library = plugin.folder.join(&plugin.library);
         let mut text = format!("plugin with the model `{}` in {}\n", plugin.model, plugin.folder.display());
         text.extend(plugin.files.iter().map(|f| format!("  {}\n", f.display())));

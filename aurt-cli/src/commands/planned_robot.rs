@@ -12,8 +12,8 @@ use aurt_simulation::{MotionLimits, Robot, SimulationError};
 use aurt_traits::RigidBodyRegressor;
 use clap::Args;
 
-use super::compile_rbd::Rows;
-use crate::values::{Gravity, parse_gravity};
+use super::compile_rbd::ROWS;
+use crate::values::{Gravity, choice, parse_gravity};
 
 /// Which robot, and what its limits are.
 #[derive(Debug, Args)]
@@ -35,8 +35,8 @@ pub struct PlannedRobotOptions {
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Option<Gravity>,
     /// Which joint a row's alpha and a lead to
-    #[arg(long, value_enum, default_value_t)]
-    mdh_rows: Rows,
+    #[arg(long, value_parser = choice(ROWS), default_value = "next")]
+    mdh_rows: MdhRows,
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2; by
     /// default those of the description
     #[arg(long, value_name = "LIMITS.csv")]
@@ -119,7 +119,7 @@ impl PlannedRobotOptions {
     }
 
     fn of_table(&self, mdh: &Path) -> Result<PlannedRobot, Failure> {
-        let table = MdhTable::from_path(mdh, self.mdh_rows.into())?;
+        let table = MdhTable::from_path(mdh, self.mdh_rows)?;
         let mut gravity = self.gravity.map_or(UPRIGHT_M_S2, |g| g.0);
         if let (MdhRows::Previous, Some(first)) = (table.reading, table.rows.first()) {
             // What leads to the first joint only turns gravity.

@@ -20,11 +20,12 @@ use aurt_report::{
     reports,
     results::{metrics::Results, parameters},
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::{Value, json};
 
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
 use crate::rendering::terminal::{Report, Terminal};
+use crate::values::{Choice, choice};
 
 /// Calibrate and validate the model of an experiment file.
 ///
@@ -46,29 +47,17 @@ pub struct Run {
     stream_above: Bytes,
     /// Also write positions, measurement, prediction and residual of every recording in this format, as
     /// series_<recording>.parquet or .mcap
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    series: Option<SeriesName>,
+    #[arg(long, value_parser = choice(SERIES), value_name = "FORMAT")]
+    series: Option<SeriesFormat>,
     #[command(flatten)]
     plots: PlotOptions,
 }
 
-/// A format of series.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SeriesName {
-    /// Apache Parquet: pandas, Polars, DuckDB
-    Parquet,
-    /// MCAP with joint states of ROS 2: Foxglove, rerun, PlotJuggler
-    Mcap,
-}
-
-impl SeriesName {
-    pub const fn format(self) -> SeriesFormat {
-        match self {
-            Self::Parquet => SeriesFormat::Parquet,
-            Self::Mcap => SeriesFormat::Mcap,
-        }
-    }
-}
+/// The formats of series.
+pub const SERIES: &[Choice<SeriesFormat>] = &[
+    ("parquet", "Apache Parquet: pandas, Polars, DuckDB", SeriesFormat::Parquet),
+    ("mcap", "MCAP with joint states of ROS 2: Foxglove, rerun, PlotJuggler", SeriesFormat::Mcap),
+];
 
 impl Run {
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
@@ -101,8 +90,8 @@ impl Run {
         }
         let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
-        if let Some(name) = self.series {
-            let series = series::files(&job(&experiment)?, &outcome.calibrated, &recordings, name.format())?;
+        if let Some(format) = self.series {
+            let series = series::files(&job(&experiment)?, &outcome.calibrated, &recordings, format)?;
             outcome.predictions.extend(series);
         }
         progress.step("looking for mistakes of the setup");
@@ -186,19 +175,28 @@ impl Written {
         folder: &OutputFolder,
         plots: Option<&OutputFolder>,
     ) -> Result<Report, Failure> {
-        let Self { mut text, metrics: mut json, page, mut files } = self;
+        let Self { text, metrics: json, page, mut files } = self;
         files.extend(outcome.predictions);
         let mut outputs = Outputs::default();
         outputs.folder(folder, files);
-        let mut written = outputs.paths();
-        let drawn = outputs.figures(&page, plots);
-        outputs.write()?;
-        text.push_str(&written_text(&written));
-        text.push_str(&drawn_text(&drawn, plots));
-        written.extend(drawn);
-        json["outputs"] = json!(written);
-        Ok(Report { text, json, findings: false })
+        delivered(outputs, &page, plots, Report { text, json, findings: false })
     }
+}
+
+/// Writes outputs with the figures of a page, and says at the end of a report where they are.
+pub fn delivered(
+    mut outputs: Outputs,
+    page: &Page,
+    plots: Option<&OutputFolder>,
+    mut report: Report,
+) -> Result<Report, Failure> {
+    let mut written = outputs.paths();
+    let drawn = outputs.figures(page, plots);
+    outputs.write()?;
+    report.text += &(written_text(&written) + &drawn_text(&drawn, plots));
+    written.extend(drawn);
+    report.json["outputs"] = json!(written);
+    Ok(report)
 }
 
 /// What a command wrote, for people.

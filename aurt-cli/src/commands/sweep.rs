@@ -16,9 +16,10 @@ use serde_json::{Value, json};
 use super::{
     Session,
     plots::PlotOptions,
-    run::{drawn_text, written_text},
+    run::{delivered, written_text},
 };
 use crate::rendering::terminal::Report;
+use crate::values::{Choice, choice};
 
 /// Fit many variants of an experiment and rank them by their held-out error.
 ///
@@ -111,15 +112,11 @@ struct Show {
     #[arg(long)]
     csv: bool,
     /// Rows that errors are taken over: all while the robot is in motion, or those at which the joint moves
-    #[arg(long, value_enum, default_value_t = RowChoice::All)]
-    rows: RowChoice,
+    #[arg(long, value_parser = choice(ROWS), default_value = "all")]
+    rows: Rows,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum RowChoice {
-    All,
-    Moving,
-}
+const ROWS: &[Choice<Rows>] = &[("all", "", Rows::All), ("moving", "", Rows::Moving)];
 
 impl Sweep {
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
@@ -249,11 +246,7 @@ impl RunPoint {
 impl Show {
     fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let folder = Folder::planned(&self.folder)?;
-        let rows = match self.rows {
-            RowChoice::All => Rows::All,
-            RowChoice::Moving => Rows::Moving,
-        };
-        let ranking = Ranking::of(&folder, &folder.plan()?, rows);
+        let ranking = Ranking::of(&folder, &folder.plan()?, self.rows);
         let damaged = folder.damaged();
         let text = if self.csv {
             ranking.to_csv()
@@ -290,19 +283,13 @@ fn collected(
             ("table.json".to_owned(), document.into_bytes()),
         ],
     );
-    let mut written = outputs.paths();
-    let drawn = outputs.figures(&page, plots.as_ref());
-    outputs.write()?;
     let damaged = folder.damaged();
     text.push_str(&sweep_table::to_text(&ranking, session.terminal.style()));
     text.push_str(&damaged_text(&damaged));
-    text.push_str(&written_text(&written));
-    text.push_str(&drawn_text(&drawn, plots.as_ref()));
-    written.extend(drawn);
     json["ranking"] = json!(ranking);
     json["damaged"] = json!(damaged);
-    json["outputs"] = json!(written);
-    Ok(Report { text, json, findings: !ranking.failed.is_empty() || !ranking.missing.is_empty() })
+    let findings = !ranking.failed.is_empty() || !ranking.missing.is_empty();
+    delivered(outputs, &page, plots.as_ref(), Report { text, json, findings })
 }
 
 /// The results that were not what had been written; a run has made them again.

@@ -17,7 +17,7 @@ use serde_json::json;
 
 use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
-    commands::run::{drawn_text, written_text},
+    commands::run::delivered,
     rendering::terminal::{Report, print_error},
     values::parse_positive,
 };
@@ -110,12 +110,7 @@ impl Track {
                 (reports::FILE.to_owned(), page.to_html().into_bytes()),
             ],
         );
-        let mut written = outputs.paths();
-        let drawn = outputs.figures(&page, plots.as_ref());
-        outputs.write()?;
-        let text = track::text(&tracked) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
-        written.extend(drawn);
-        document["outputs"] = json!(written);
-        Ok(Report { text, json: document, findings: !tracked.alarms.is_empty() })
+        let (text, findings) = (track::text(&tracked), !tracked.alarms.is_empty());
+        delivered(outputs, &page, plots.as_ref(), Report { text, json: document, findings })
     }
 }

@@ -7,6 +7,7 @@ use aurt_plugins::Trust;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::Session;
 use crate::rendering::terminal::Report;
 
 /// Trust model libraries that experiments name, or list trusted ones.
@@ -23,7 +24,7 @@ pub struct TrustLibraries {
 
 impl TrustLibraries {
     /// Adds to the list, or shows it.
-    pub fn run(&self) -> Result<Report, Failure> {
+    pub fn run(&self, _: &Session<'_>) -> Result<Report, Failure> {
         let list = Trust::list().ok_or_else(|| {
             Failure::argument(
                 "trust",

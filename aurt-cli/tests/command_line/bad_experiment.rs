@@ -12,7 +12,7 @@ fn all_mistakes_are_told_at_once_with_their_places() {
         .replace("f_dyn_hz", "fdyn_hz")
         .replace("-9.81]", "-9.81, 0.0]");
     folder.write("experiment.toml", &toml);
-    let said = folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+    let said = folder.run("run experiment.toml --out out").refused(&[
         "experiment.toml:7:16",
         "3 numbers",
         "`absolut`",
@@ -31,17 +31,13 @@ fn all_mistakes_are_told_at_once_with_their_places() {
 fn what_is_no_toml_or_not_there() {
     let folder = Folder::new();
     folder.write("broken.toml", "schema = 1\n[robot\n");
-    folder.aurt("run broken.toml --out out".split(' ')).refused(&["broken.toml:2", "not TOML"]);
+    folder.run("run broken.toml --out out").refused(&["broken.toml:2", "not TOML"]);
     let near = ["brokn.toml", "there is no such file", "did you mean broken.toml?"];
-    folder.aurt("run brokn.toml --out out".split(' ')).refused(&near);
-    let said = folder.aurt("run nowhere.toml --out out".split(' ')).refused(&["there is no such file"]);
+    folder.run("run brokn.toml --out out").refused(&near);
+    let said = folder.run("run nowhere.toml --out out").refused(&["there is no such file"]);
     assert!(said.contains("that folder has broken.toml") && !said.contains("did you mean"), "{said}");
     folder.write("future.toml", "schema = 9\n");
-    folder.aurt("run future.toml --out out".split(' ')).refused(&[
-        "future.toml:1:10",
-        "reads schema 1",
-        "[robot]",
-    ]);
+    folder.run("run future.toml --out out").refused(&["future.toml:1:10", "reads schema 1", "[robot]"]);
 }
 
 /// Times grew with the square of the number of mistakes.
@@ -61,7 +57,7 @@ fn a_hundred_thousand_mistakes_are_told_like_one() {
         folder.write("broken.toml", &text);
         let begin = std::time::Instant::now();
         let place = format!("broken.toml:{line}:");
-        folder.aurt("run broken.toml --out out".split(' ')).refused(&[&place, said]);
+        folder.run("run broken.toml --out out").refused(&[&place, said]);
         assert!(begin.elapsed().as_secs() < 20, "{said}: {:?}", begin.elapsed());
     }
 }
@@ -69,7 +65,6 @@ fn a_hundred_thousand_mistakes_are_told_like_one() {
 #[test]
 fn a_variable_that_is_not_set() {
     let folder = Folder::new().with_demo(&["experiment.toml"]);
-    let toml = folder.read("experiment.toml").replace("\"mdh.csv\"", "\"${AURT_TEST_UNSET}/mdh.csv\"");
-    folder.write("experiment.toml", &toml);
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["AURT_TEST_UNSET", "not set"]);
+    folder.edit("experiment.toml", |text| text.replace("\"mdh.csv\"", "\"${AURT_TEST_UNSET}/mdh.csv\""));
+    folder.run("run experiment.toml --out out").refused(&["AURT_TEST_UNSET", "not set"]);
 }

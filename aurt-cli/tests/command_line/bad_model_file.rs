@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{DEMO, Folder};
+use crate::support::{DEMO, Folder, first_columns};
 
 fn with_model(change: impl Fn(&str) -> String) -> Folder {
     let folder = Folder::new().with_demo(&["other_motion.csv"]);
@@ -14,8 +14,7 @@ fn with_model(change: impl Fn(&str) -> String) -> Folder {
 #[track_caller]
 fn refusal(change: impl Fn(&str) -> String, words: &[&str]) {
     let folder = with_model(change);
-    let said =
-        folder.aurt("predict --model c.json --data other_motion.csv --out p.csv".split(' ')).refused(words);
+    let said = folder.run("predict --model c.json --data other_motion.csv --out p.csv").refused(words);
     assert!(said.contains("c.json"), "{said}");
     assert_eq!(folder.names(), ["c.json", "other_motion.csv"]);
 }
@@ -23,7 +22,7 @@ fn refusal(change: impl Fn(&str) -> String, words: &[&str]) {
 #[test]
 fn the_file_as_it_is_predicts() {
     let folder = with_model(str::to_owned);
-    folder.aurt("predict --model c.json --data other_motion.csv --out p.csv".split(' ')).succeeded();
+    folder.run("predict --model c.json --data other_motion.csv --out p.csv").succeeded();
 }
 
 #[test]
@@ -42,7 +41,7 @@ fn another_kind() {
     );
     refusal(|_| "{}".into(), &["no model file", "kind"]);
     let folder = Folder::new().with_demo(&["mdh.csv", "rd_calibrated.json", "exciting_motion.csv"]);
-    folder.aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json".split(' ')).succeeded();
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json").succeeded();
     let calibrate = |model: &str| {
         let line = format!(
             "calibrate --model {model} --data exciting_motion.csv --out-params p --out-calibrated-model c"
@@ -72,13 +71,8 @@ fn a_broken_file() {
 #[test]
 fn a_model_of_another_joint_count() {
     let folder = with_model(str::to_owned);
-    let narrow: String = folder
-        .read("other_motion.csv")
-        .lines()
-        .map(|l| l.split(',').take(5).collect::<Vec<_>>().join(",") + "\n")
-        .collect();
-    folder.write("other_motion.csv", &narrow);
-    folder.aurt("predict --model c.json --data other_motion.csv --out p.csv".split(' ')).refused(&[
+    folder.edit("other_motion.csv", |text| first_columns(text, 5));
+    folder.run("predict --model c.json --data other_motion.csv --out p.csv").refused(&[
         "other_motion.csv",
         "4",
         "6",

@@ -1,15 +1,13 @@
 //! Recordings with every fault that a recording can have: the message names file, line, column and remedy.
 
-use crate::support::{Folder, with_cell, with_line};
+use crate::support::{Folder, assert_has, column, one_line, with_cell, with_line, without_constants};
 
 const RECORDING: &str = "exciting_motion.csv";
 
 fn experiment() -> Folder {
     let folder = Folder::new().with_demo(&["mdh.csv", "experiment.toml", RECORDING]);
-    let toml = folder.read("experiment.toml");
     let validation = "validation = [\"other_motion.csv\", \"point_to_point.csv\"]";
-    assert!(toml.contains(validation));
-    folder.write("experiment.toml", &toml.replace(validation, ""));
+    folder.edit("experiment.toml", |text| text.replace(validation, ""));
     folder
 }
 
@@ -18,7 +16,7 @@ fn experiment() -> Folder {
 fn refusal(change: impl Fn(&str) -> String, words: &[&str]) -> String {
     let folder = experiment();
     folder.write(RECORDING, &change(&folder.read(RECORDING)));
-    let said = folder.aurt("run experiment.toml --out out".split(' ')).refused(words);
+    let said = folder.run("run experiment.toml --out out").refused(words);
     assert!(said.contains(RECORDING), "the file is not named in:\n{said}");
     assert_eq!(folder.names(), [RECORDING, "experiment.toml", "mdh.csv"]);
     said
@@ -33,13 +31,13 @@ fn a_missing_file() {
     let folder = experiment();
     std::fs::remove_file(folder.path(RECORDING)).unwrap();
     // The experiment's line and column are named.
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+    folder.run("run experiment.toml --out out").refused(&[
         "experiment.toml:25:16",
         RECORDING,
         "does not exist",
     ]);
     folder
-        .aurt("predict --model m.json --data nowhere.csv --out p.csv".split(' '))
+        .run("predict --model m.json --data nowhere.csv --out p.csv")
         .refused(&["m.json", "there is no such file"]);
 }
 
@@ -97,15 +95,12 @@ fn a_few_corrupt_rows_are_dropped_and_told_and_the_prediction_keeps_all_rows() {
     let corrupt =
         with_line(&with_line(&text, 500, |l| with_cell(l, 4, "1e150")), 900, |l| with_cell(l, 9, "-1e150"));
     folder.write(RECORDING, &corrupt);
-    let report = folder.aurt("run experiment.toml --out out".split(' ')).succeeded().stdout();
-    let flat = report.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(flat.contains("dropped 2 corrupt rows (0.08 %): line 500"), "{report}");
+    let report = one_line(&folder.run("run experiment.toml --out out").succeeded().stdout());
+    assert_has(&report, &["dropped 2 corrupt rows (0.08 %): line 500"]);
     let predicted = folder.read("out/predicted_exciting_motion.csv");
-    assert_eq!(predicted.lines().count(), text.lines().count());
-    let stamps = |text: &str| -> Vec<f64> {
-        text.lines().skip(1).map(|l| l.split(',').next().unwrap().parse().unwrap()).collect()
-    };
-    for (found, expected) in stamps(&predicted).iter().zip(stamps(&text)) {
+    let [found, expected] = [&predicted, &text].map(|table| column(table, "timestamp"));
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
     }
     let notes = folder.json("out/metrics.json")["recordings"][0]["notes"].to_string();
@@ -130,7 +125,7 @@ fn too_few_samples() {
     refusal(first(12), &["too few"]);
     let folder = experiment();
     folder.write(RECORDING, &first(300)(&folder.read(RECORDING)));
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+    folder.run("run experiment.toml --out out").refused(&[
         "samples per joint remain",
         "parameters",
         "record longer",
@@ -152,17 +147,11 @@ fn a_recording_in_which_nothing_moves() {
 #[test]
 fn a_recording_of_another_robot() {
     let five = |text: &str| {
-        text.lines()
-            .map(|l| {
-                l.split(',')
-                    .enumerate()
-                    .filter(|(k, _)| *k != 6 && *k != 12)
-                    .map(|(_, c)| c)
-                    .collect::<Vec<_>>()
-                    .join(",")
-                    + "\n"
-            })
-            .collect::<String>()
+        let without = |line: &str| {
+            let cells = line.split(',').enumerate().filter(|(k, _)| *k != 6 && *k != 12);
+            cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(",") + "\n"
+        };
+        text.lines().map(without).collect::<String>()
     };
     refusal(five, &["5", "6"]);
 }
@@ -170,11 +159,8 @@ fn a_recording_of_another_robot() {
 #[test]
 fn a_frequency_that_the_recording_cannot_hold() {
     let folder = experiment();
-    folder.write(
-        "experiment.toml",
-        &folder.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 20.0"),
-    );
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+    folder.edit("experiment.toml", |text| text.replace("f_dyn_hz = 5.0", "f_dyn_hz = 20.0"));
+    folder.run("run experiment.toml --out out").refused(&[
         RECORDING,
         "100 Hz",
         "125",
@@ -184,23 +170,10 @@ fn a_frequency_that_the_recording_cannot_hold() {
 
 #[test]
 fn units_that_differ() {
-    let folder = Folder::new().with_demo(&[
-        "mdh.csv",
-        "experiment.toml",
-        RECORDING,
-        "other_motion.csv",
-        "point_to_point.csv",
-    ]);
-    let torque = folder.read("other_motion.csv").replace("actual_current_", "torque_");
-    folder.write("other_motion.csv", &torque);
-    let toml: String = folder
-        .read("experiment.toml")
-        .lines()
-        .filter(|l| !l.starts_with("torque_constants"))
-        .map(|l| format!("{l}\n"))
-        .collect();
-    folder.write("experiment.toml", &toml);
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+    let folder = Folder::new().with_whole_demo();
+    folder.edit("other_motion.csv", |text| text.replace("actual_current_", "torque_"));
+    folder.edit("experiment.toml", without_constants);
+    folder.run("run experiment.toml --out out").refused(&[
         "exciting_motion.csv is in A",
         "other_motion.csv is in Nm",
         "torque_constants_nm_per_a",
@@ -212,11 +185,11 @@ fn a_table_of_another_robot_or_with_an_unreadable_angle() {
     let folder = experiment();
     let mdh = folder.read("mdh.csv");
     folder.write("mdh.csv", &mdh.lines().take(6).map(|l| format!("{l}\n")).collect::<String>());
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["experiment.toml", "5"]);
+    folder.run("run experiment.toml --out out").refused(&["experiment.toml", "5"]);
     folder.write("mdh.csv", &with_line(&mdh, 2, |l| with_cell(l, 1, "pi/x")));
     let line = "compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json";
-    folder.aurt(line.split(' ')).refused(&["mdh.csv:2", "pi/x", "column 1 (alpha)"]);
+    folder.run(line).refused(&["mdh.csv:2", "pi/x", "column 1 (alpha)"]);
     folder.write("mdh.csv", &mdh.replace("alpha,a,d", "alpha,a,e"));
-    folder.aurt(line.split(' ')).refused(&["mdh.csv:1", "`e`", "alpha, a, d"]);
+    folder.run(line).refused(&["mdh.csv:1", "`e`", "alpha, a, d"]);
     assert!(!folder.path("rbd.json").exists());
 }

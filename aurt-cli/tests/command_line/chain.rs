@@ -2,30 +2,27 @@
 
 use std::fs;
 
-use crate::support::{DEMO, Folder, numbers};
+use crate::support::{DEMO, Folder, first_columns, numbers};
 
-const OPTIONS: [&str; 9] =
-    ["--torque-constants", "11.976", "11.976", "9.839", "10.763", "10.763", "10.763", "--f-dyn-hz", "5"];
+const OPTIONS: &str = "--torque-constants 11.976 11.976 9.839 10.763 10.763 10.763 --f-dyn-hz 5";
 
 /// A folder with the demo's recordings and a compiled robot model.
 fn compiled() -> Folder {
     let folder =
         Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv", "experiment.toml"]);
-    folder.aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json".split(' ')).succeeded();
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json").succeeded();
     folder
-        .aurt("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json".split(' '))
+        .run("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json")
         .refused(&["point_to_point.csv", "does not exist"]);
     let folder = folder.with_demo(&["point_to_point.csv"]);
-    folder
-        .aurt("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json".split(' '))
-        .succeeded();
+    folder.run("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json").succeeded();
     folder
 }
 
 fn calibrate(folder: &Folder) {
     let line = "calibrate --model rd.json --data exciting_motion.csv --gravity 0 0 -9.81 --out-params p.csv \
                 --out-calibrated-model rd_calibrated.json";
-    folder.aurt(line.split_whitespace().chain(OPTIONS)).succeeded();
+    folder.run(format!("{line} {OPTIONS}")).succeeded();
 }
 
 #[test]
@@ -49,17 +46,10 @@ fn the_commands_and_an_experiment_give_the_same_model() {
 fn a_prediction_needs_no_measurement_and_has_a_row_for_each() {
     let folder = compiled();
     calibrate(&folder);
-    let positions: String = folder
-        .read("other_motion.csv")
-        .lines()
-        .map(|line| line.split(',').take(7).collect::<Vec<_>>().join(",") + "\n")
-        .collect();
+    let positions = first_columns(&folder.read("other_motion.csv"), 7);
     folder.write("trajectory.csv", &positions);
     folder
-        .aurt(
-            "predict --model rd_calibrated.json --data trajectory.csv --gravity 0 0 -9.81 --out predicted.csv"
-                .split(' '),
-        )
+        .run("predict --model rd_calibrated.json --data trajectory.csv --gravity 0 0 -9.81 --out predicted.csv")
         .succeeded();
     let predicted = folder.read("predicted.csv");
     let expected_header = "timestamp,predicted_torque_0,predicted_torque_1,predicted_torque_2,\
@@ -76,8 +66,7 @@ fn the_first_part_calibrates_and_the_rest_validates() {
     let line = "calibrate-validate --model rd.json --data exciting_motion.csv --gravity 0 0 -9.81 \
                 --calibration-data-rel 0.7 --out-params p.csv --out-calibrated-model c.json \
                 --out-prediction predicted.csv --json";
-    let report = folder.aurt(line.split_whitespace().chain(OPTIONS)).succeeded().stdout();
-    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let report = folder.run(format!("{line} {OPTIONS}")).succeeded().json();
     let recordings = report["recordings"].as_array().unwrap();
     assert_eq!(recordings.len(), 2);
     assert_eq!(recordings[0]["role"], "calibration");
@@ -95,9 +84,8 @@ fn another_friction_model_takes_the_compiled_rigid_bodies_as_they_are() {
     for (option, coulomb, parameters) in
         [("--friction-torque-model", "square", 36 + 6 * 5), ("--friction-load-model", "none", 36 + 6 * 4)]
     {
-        let line =
-            ["compile-rd", "--model-rbd", "rbd.json", option, coulomb, "--friction-viscous-powers", "1", "2"];
-        folder.aurt(line.into_iter().chain(["3", "--out", "other.json"])).succeeded();
+        let line = "compile-rd --model-rbd rbd.json --friction-viscous-powers 1 2 3 --out other.json";
+        folder.run(format!("{line} {option} {coulomb}")).succeeded();
         let model = folder.json("other.json");
         let mut rigid_body = folder.json("rbd.json");
         rigid_body.as_object_mut().unwrap().remove("aurt_version");
@@ -116,17 +104,8 @@ fn base_parameters_of_published_robots() {
     let folder = Folder::new();
     folder.write("mdh.csv", ur5e);
     for (gravity, count) in [("0 6.937 -6.937", 38), ("0 0 -9.81", 36)] {
-        let run = folder.aurt([
-            "compile-rbd",
-            "--mdh",
-            "mdh.csv",
-            "--gravity",
-            gravity,
-            "--out",
-            "rbd.json",
-            "--json",
-        ]);
-        let report: serde_json::Value = serde_json::from_str(&run.succeeded().stdout()).unwrap();
+        let line = format!("compile-rbd --mdh mdh.csv --gravity {gravity} --out rbd.json --json");
+        let report = folder.run(line).succeeded().json();
         assert_eq!(report["base_parameters"], count, "gravity {gravity}");
         let first = &report["parameters"][0];
         assert_eq!(first["name"], "ZZ_0");
@@ -138,17 +117,10 @@ fn base_parameters_of_published_robots() {
 fn a_model_is_used_on_another_mounting_only_where_its_parameters_suffice() {
     let folder = compiled();
     calibrate(&folder);
-    let predict = |gravity: &str| {
-        let line =
-            ["predict", "--model", "rd_calibrated.json", "--data", "other_motion.csv", "--out", "p2.csv"];
-        folder.aurt(line.into_iter().chain(["--gravity", gravity]))
-    };
-    predict("0 6.937 -6.937").refused(&[
-        "--gravity",
-        "36 base parameters",
-        "38 of them",
-        "mounted like that",
-    ]);
+    let line = "predict --model rd_calibrated.json --data other_motion.csv --out p2.csv --gravity";
+    let predict = |gravity: &str| folder.run(format!("{line} {gravity}"));
+    let words = ["--gravity", "36 base parameters", "38 of them", "mounted like that"];
+    predict("0 6.937 -6.937").refused(&words);
     assert!(!folder.path("p2.csv").exists());
     // Upside down, the same parameters act.
     predict("0 0 9.81").succeeded();

@@ -2,13 +2,13 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, numbers, with_cell};
+use crate::support::{Folder, assert_has, column, first_columns, numbers, one_line, with_cells, with_table};
 
 #[test]
 fn a_good_recording_has_no_findings() {
     let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);
-    let run = folder.aurt("check exciting_motion.csv --mdh mdh.csv --json".split(' ')).succeeded();
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run("check exciting_motion.csv --mdh mdh.csv --json").succeeded();
+    let report = run.json();
     assert_eq!(report["findings"].as_array().unwrap().len(), 0, "{}", report["findings"]);
     assert_eq!(report["excitation"]["rank"], 48);
     // The demo's motion has harmonics up to 1 Hz.
@@ -26,56 +26,39 @@ fn a_good_recording_has_no_findings() {
 #[test]
 fn a_recording_needs_neither_geometry_nor_measurement() {
     let folder = Folder::new().with_demo(&["other_motion.csv"]);
-    let positions: String = folder
-        .read("other_motion.csv")
-        .lines()
-        .map(|line| line.split(',').take(4).collect::<Vec<_>>().join(",") + "\n")
-        .collect();
-    folder.write("positions.csv", &positions);
-    let report = folder.aurt("check positions.csv".split(' ')).succeeded().stdout();
-    assert!(report.contains("3 joints, without measurement"), "{report}");
+    folder.write("positions.csv", &first_columns(&folder.read("other_motion.csv"), 4));
+    folder.run("check positions.csv").says(&["3 joints, without measurement"]);
+}
+
+/// A recording with a column that holds its first value.
+fn held(table: &str, column: usize) -> String {
+    let first = table.lines().nth(1).unwrap().split(',').nth(column).unwrap();
+    with_cells(table, |_, at, _| (at == column).then(|| first.to_owned()))
 }
 
 #[test]
 fn what_should_be_heeded_gives_status_1() {
     let folder = Folder::new().with_demo(&["other_motion.csv"]);
     // Joint 2 holds its first angle.
-    let text = folder.read("other_motion.csv");
-    let angle = text.lines().nth(1).unwrap().split(',').nth(3).unwrap().to_owned();
-    let held: String = text
-        .lines()
-        .enumerate()
-        .map(|(k, line)| if k == 0 { line.to_owned() } else { with_cell(line, 4, &angle) } + "\n")
-        .collect();
-    folder.write("held.csv", &held);
-    let run = folder.aurt("check held.csv".split(' '));
+    folder.write("held.csv", &held(&folder.read("other_motion.csv"), 3));
+    let run = folder.run("check held.csv");
     assert_eq!(run.status(), 1, "{}", run.stderr());
-    let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        said.contains("only joints 0, 1, 3, 4 and 5 move; the friction of joint 2 is out of reach"),
-        "{said}"
-    );
-    folder.aurt("check nowhere.csv".split(' ')).refused(&["nowhere.csv", "no such file"]);
+    let words = ["only joints 0, 1, 3, 4 and 5 move; the friction of joint 2 is out of reach"];
+    assert_has(&one_line(&run.stdout()), &words);
+    folder.run("check nowhere.csv").refused(&["nowhere.csv", "no such file"]);
 }
 
 #[test]
 fn several_recordings_count_together() {
     let folder = Folder::new().with_demo(&["exciting_motion.csv", "other_motion.csv", "mdh.csv"]);
     // Joint 0 holds its first angle in one recording and moves in the other.
-    let text = folder.read("exciting_motion.csv");
-    let angle = text.lines().nth(1).unwrap().split(',').nth(1).unwrap().to_owned();
-    let held: String = text
-        .lines()
-        .enumerate()
-        .map(|(k, line)| if k == 0 { line.to_owned() } else { with_cell(line, 2, &angle) } + "\n")
-        .collect();
-    folder.write("held.csv", &held);
-    let alone = folder.aurt("check held.csv --mdh mdh.csv".split(' '));
+    folder.write("held.csv", &held(&folder.read("exciting_motion.csv"), 1));
+    let alone = folder.run("check held.csv --mdh mdh.csv");
     assert_eq!(alone.status(), 1);
     assert!(alone.stdout().contains("out of reach"), "{}", alone.stdout());
 
-    let run = folder.aurt("check held.csv other_motion.csv --mdh mdh.csv --json --out pages".split(' '));
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run("check held.csv other_motion.csv --mdh mdh.csv --json --out pages");
+    let report = run.json();
     let findings = report["findings"].to_string();
     assert!(!findings.contains("out of reach"), "{findings}");
     assert_eq!(report["together"]["excitation"]["rank"], 48);
@@ -97,23 +80,17 @@ fn check_and_calibration_mean_the_same_by_badly_excited() {
     let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);
     // Two seconds of the motion do not tell the parameters apart.
     let text = folder.read("exciting_motion.csv");
-    let rate_hz = 1.0 / {
-        let stamps: Vec<f64> =
-            text.lines().skip(1).take(2).map(|l| l.split(',').next().unwrap().parse().unwrap()).collect();
-        stamps[1] - stamps[0]
-    };
+    let stamps = column(&text, "timestamp");
+    let rate_hz = 1.0 / (stamps[1] - stamps[0]);
     let short: String = text.lines().take(1 + (5.0 * rate_hz) as usize).map(|l| format!("{l}\n")).collect();
     folder.write("short.csv", &short);
-    folder
-        .aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json --quiet".split(' '))
-        .succeeded();
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json --quiet").succeeded();
     let line = "compile-rd --model-rbd rbd.json --friction-torque-model none --friction-viscous-powers 1 --out rd.json --quiet";
-    folder.aurt(line.split(' ')).succeeded();
+    folder.run(line).succeeded();
     let line = "calibrate --model rd.json --data short.csv --gravity 0 0 -9.81 --f-dyn-hz 5 --out-params p.csv \
                 --out-calibrated-model m.json --json";
-    let calibrated: Value = serde_json::from_str(&folder.aurt(line.split(' ')).succeeded().stdout()).unwrap();
-    let check = folder.aurt("check short.csv --mdh mdh.csv --f-dyn-hz 5 --json".split(' '));
-    let checked: Value = serde_json::from_str(&check.stdout()).unwrap();
+    let calibrated = folder.run(line).succeeded().json();
+    let checked = folder.run("check short.csv --mdh mdh.csv --f-dyn-hz 5 --json").json();
     let of = |list: &Value| -> Vec<String> {
         let all = list.as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned());
         all.filter(|w| w.contains("badly excited") || w.contains("condition number")).collect()
@@ -132,21 +109,16 @@ fn columns_that_are_not_recognised_are_asked_about() {
     let renamed = header.replace("actual_current_", "i");
     assert_ne!(renamed, header);
     folder.write("own.csv", &format!("{renamed}\n{rows}"));
-    let run = folder.aurt("check own.csv".split(' '));
+    let run = folder.run("check own.csv");
     assert_eq!(run.status(), 1);
-    let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&run.stdout());
     assert!(said.contains("nothing measured was recognised; if i0 … i"), "{said}");
     // What the message proposes is accepted as it stands.
     let start = said.find("{ file").unwrap();
     let proposed = said[start..].split(" (or unit").next().unwrap();
-    let experiment = folder.read("experiment.toml");
-    let start = experiment.find("[recordings]").unwrap();
-    let end = start + 1 + experiment[start + 1..].find("\n[").unwrap();
-    folder.write(
-        "own.toml",
-        &format!("{}[recordings]\ncalibration = [{proposed}]\n{}", &experiment[..start], &experiment[end..]),
-    );
-    folder.aurt("run own.toml --out own".split(' ')).succeeded();
+    let recordings = format!("[recordings]\ncalibration = [{proposed}]\n");
+    folder.write("own.toml", &with_table(&folder.read("experiment.toml"), "[recordings]", &recordings));
+    folder.run("run own.toml --out own").succeeded();
 }
 
 /// Stamps in ms are told with the key that says so, written by `--fixed` and by `init`; what they propose runs.
@@ -154,44 +126,29 @@ fn columns_that_are_not_recognised_are_asked_about() {
 fn stamps_in_milliseconds_are_told_with_the_fix() {
     let folder = Folder::new().with_whole_demo();
     for name in ["exciting_motion.csv", "other_motion.csv", "point_to_point.csv"] {
-        let text = folder.read(name);
-        let stamp = |line: &str| match line.split_once(',') {
-            Some((t, rest)) if t.parse::<f64>().is_ok() => {
-                format!("{:.3},{rest}\n", 1e3 * t.parse::<f64>().unwrap())
-            }
-            _ => format!("{line}\n"),
-        };
-        folder.write(name, &text.lines().map(stamp).collect::<String>());
+        let stamp = |cell: &str| format!("{:.3}", 1e3 * cell.parse::<f64>().unwrap());
+        folder.edit(name, |text| with_cells(text, |_, column, cell| (column == 0).then(|| stamp(cell))));
     }
-    let run = folder.aurt("check experiment.toml --fixed fixed.toml".split(' '));
-    let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
+    let run = folder.run("check experiment.toml --fixed fixed.toml");
+    let said = one_line(&run.stdout());
     assert_eq!(run.status(), 1, "{said}");
     assert!(said.contains("seem to be in ms") && said.contains("time = \"ms\""), "{said}");
     assert!(!said.contains("no joint moves"), "{said}");
-    folder.aurt("run fixed.toml --out fixed".split(' ')).succeeded();
+    folder.run("run fixed.toml --out fixed").succeeded();
     let drafted =
         "init exciting_motion.csv other_motion.csv --robot mdh.csv --gravity 0 0 -9.81 --out first.toml";
-    folder.aurt(drafted.split(' '));
+    folder.run(drafted);
     assert!(folder.read("first.toml").contains("time = \"ms\""));
 }
 
 #[test]
 fn remarks_are_no_findings() {
     let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);
-    let text = folder.read("exciting_motion.csv");
-    let turned: String = text
-        .lines()
-        .enumerate()
-        .map(|(k, line)| {
-            let cells: Vec<&str> = line.split(',').collect();
-            let turn = if k > 400 { std::f64::consts::TAU } else { 0.0 };
-            let cell = cells[1].parse::<f64>().map_or(cells[1].to_owned(), |q| (q + turn).to_string());
-            with_cell(line, 2, &cell) + "\n"
-        })
-        .collect();
-    folder.write("turned.csv", &turned);
-    let run = folder.aurt("check turned.csv --mdh mdh.csv".split(' ')).succeeded();
-    assert!(run.stdout().contains("was unwrapped"), "{}", run.stdout());
+    let turned = |cell: &str| (cell.parse::<f64>().unwrap() + std::f64::consts::TAU).to_string();
+    folder.edit("exciting_motion.csv", |text| {
+        with_cells(text, |row, column, cell| (row >= 400 && column == 1).then(|| turned(cell)))
+    });
+    folder.run("check exciting_motion.csv --mdh mdh.csv").says(&["was unwrapped"]);
 }
 
 /// The same recording under two names, or in two roles, is refused by every command.
@@ -206,15 +163,15 @@ fn a_sample_counts_once() {
     let asked = toml.replace("validation = [\"other_motion.csv\", \"point_to_point.csv\"]", question);
     folder.write("asked.toml", &asked);
     for line in ["run twice.toml --out out", "diagnose twice.toml --out out", "check twice.toml"] {
-        folder.aurt(line.split(' ')).refused(&["copy.csv", "exciting_motion.csv", "each sample counts once"]);
+        folder.run(line).refused(&["copy.csv", "exciting_motion.csv", "each sample counts once"]);
     }
     let many = vec!["\"other_motion.csv\""; 1000].join(", ");
     folder.write("many.toml", &toml.replace("\"other_motion.csv\", \"point_to_point.csv\"", &many));
     for line in ["run many.toml --out out", "check many.toml"] {
-        folder.aurt(line.split(' ')).refused(&["other_motion.csv", "validation", "each sample counts once"]);
+        folder.run(line).refused(&["other_motion.csv", "validation", "each sample counts once"]);
     }
-    folder.aurt("diagnose asked.toml --out out".split(' ')).refused(&["other_motion.csv", "not held-out"]);
-    folder.aurt("check copy.csv exciting_motion.csv".split(' ')).refused(&["the same samples"]);
+    folder.run("diagnose asked.toml --out out").refused(&["other_motion.csv", "not held-out"]);
+    folder.run("check copy.csv exciting_motion.csv").refused(&["the same samples"]);
     // Every second row under another clock is a copy.
     let text = folder.read("exciting_motion.csv");
     let (header, rows) = text.split_once('\n').unwrap();
@@ -224,8 +181,8 @@ fn a_sample_counts_once() {
     });
     folder.write("copy.csv", &format!("{header}\n{}", thinned.collect::<String>()));
     let found = ["copy.csv", "holds every 2nd row of exciting_motion.csv"];
-    folder.aurt("run twice.toml --out out".split(' ')).refused(&found);
+    folder.run("run twice.toml --out out").refused(&found);
     folder.write("held_out.toml", &toml.replace("\"other_motion.csv\", ", "\"copy.csv\", "));
-    folder.aurt("run held_out.toml --out out".split(' ')).refused(&found);
-    folder.aurt("diagnose held_out.toml --out out".split(' ')).refused(&found);
+    folder.run("run held_out.toml --out out").refused(&found);
+    folder.run("diagnose held_out.toml --out out").refused(&found);
 }

@@ -5,7 +5,7 @@ use aurt_rbd::robots::DescribedRobot;
 use aurt_traits::Motion;
 use serde_json::{Value, json};
 
-use crate::support::Folder;
+use crate::support::{Folder, rows};
 
 /// Five joints, of which three move on their own; a parallelogram and a telescope.
 const URDF: &str = include_str!("../../../aurt-rbd/tests/descriptions/reference/coupled.urdf");
@@ -46,32 +46,10 @@ fn robot() -> DescribedRobot {
 /// Plans a motion of the arm and records what its drives give along it.
 fn record(folder: &Folder, name: &str, seed: u64, change: Change) {
     let planned = format!("{name}.motion.csv");
-    let seed_text = seed.to_string();
-    folder
-        .aurt([
-            "excite",
-            "--robot",
-            "robot.urdf",
-            "--tip",
-            TIP,
-            "--duration-s",
-            "40",
-            "--rate-hz",
-            "125",
-            "--tries",
-            "60",
-            "--top-hz",
-            "0.5",
-            "--seed",
-            &seed_text,
-            "--out",
-            &planned,
-            "--quiet",
-        ])
-        .succeeded();
+    let line = "excite --robot robot.urdf --duration-s 40 --rate-hz 125 --tries 60 --top-hz 0.5 --quiet";
+    folder.run(format!("{line} --tip {TIP} --seed {seed} --out {planned}")).succeeded();
     let table = folder.read(&planned);
-    let rows: Vec<Vec<f64>> =
-        table.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
+    let rows = rows(&table);
     assert_eq!(rows[0].len(), 10, "time and three joints: {}", table.lines().next().unwrap());
     let column = |k: usize| rows.iter().map(|r| r[k]).collect::<Vec<f64>>();
     let columns = |first: usize| (first..first + 3).flat_map(column).collect::<Vec<f64>>();
@@ -125,7 +103,7 @@ fn verdict_after(change: Option<Change>) -> (Folder, Value) {
              validation = ['held_out.csv']\n[preprocess]\nf_dyn_hz = 5.0\n"
         ),
     );
-    let run = folder.aurt(["diagnose", "experiment.toml", "--out", "out", "--quiet"]);
+    let run = folder.run("diagnose experiment.toml --out out --quiet");
     assert!(matches!(run.status(), 0 | 1), "{}{}", run.stdout(), run.stderr());
     let verdict = folder.json("out/verdict.json");
     (folder, verdict)
@@ -167,7 +145,7 @@ fn a_load_on_a_link_that_follows_is_found() {
     assert_eq!(parameter("link"), 4.0, "{first}");
     let improved = folder.read("out/improved.toml");
     assert!(improved.contains("link = 4"), "{improved}");
-    folder.aurt(["run", "out/improved.toml", "--out", "again", "--quiet"]).succeeded();
+    folder.run("run out/improved.toml --out again --quiet").succeeded();
 }
 
 #[test]
@@ -193,9 +171,9 @@ fn what_a_coupled_arm_cannot_have_is_refused() {
     );
     folder.write("experiment.toml", &text);
     // Links, not joints: the rod is link 4.
-    folder.aurt(["run", "experiment.toml", "--out", "out", "--quiet"]).refused(&["between 0 and 4", "is 5"]);
+    folder.run("run experiment.toml --out out --quiet").refused(&["between 0 and 4", "is 5"]);
     folder.write("experiment.toml", &text.replace("[[arm_terms]]\nmodel = 'payload'\nlink = 5\n", ""));
-    assert!(matches!(folder.aurt(["run", "experiment.toml", "--out", "out", "--quiet"]).status(), 0 | 1));
+    assert!(matches!(folder.run("run experiment.toml --out out --quiet").status(), 0 | 1));
     let arguments = ["export", "c", "out/rd_calibrated.json", "--out", "exported"];
     folder.aurt(arguments).refused(&["follow others"]);
 }

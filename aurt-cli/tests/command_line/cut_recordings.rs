@@ -4,7 +4,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, numbers};
+use crate::support::{Folder, assert_has, numbers, one_line, rows};
 
 /// The demo with rows of one recording in files of their own, validated on these.
 fn cut(pieces: &[(&str, &dyn Fn(f64) -> bool)], count_ends: bool) -> Folder {
@@ -23,7 +23,7 @@ fn cut(pieces: &[(&str, &dyn Fn(f64) -> bool)], count_ends: bool) -> Folder {
         .replace(r#"["other_motion.csv", "point_to_point.csv"]"#, &format!("[{listed}]"))
         .replace("[preprocess]", &format!("[preprocess]\ncount_ends = {count_ends}"));
     folder.write("experiment.toml", &asked);
-    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
+    folder.run("run experiment.toml --out results --quiet").succeeded();
     folder
 }
 
@@ -65,11 +65,9 @@ fn predictions_near_the_ends_of_a_log_are_told_and_the_others_exact() {
     let folder = cut(&[("log.csv", &|t| t > 3.013 && t < 8.55)], false);
     let predicted = |file: &str| -> Vec<Vec<f64>> {
         let predict = ["predict", "--model", "results/rd_calibrated.json", "--out", "p.csv", "--data", file];
-        let said = folder.aurt(predict).succeeded().stdout();
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(said.contains("the robot moves at an end or gap less than 0.352 s away"), "{said}");
-        let table = folder.read("p.csv");
-        table.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect()
+        let said = one_line(&folder.aurt(predict).succeeded().stdout());
+        assert_has(&said, &["the robot moves at an end or gap less than 0.352 s away"]);
+        rows(&folder.read("p.csv"))
     };
     let (whole, log) = (predicted("other_motion.csv"), predicted("log.csv"));
     let first = whole.iter().position(|row| row[0] == log[0][0]).unwrap();

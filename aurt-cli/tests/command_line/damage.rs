@@ -11,20 +11,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::support::Folder;
-
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
-
-/// The demo's experiment without validation.
-fn experiment() -> Folder {
-    Folder::new().with_whole_demo()
-}
+use crate::support::{DEMO, Folder, WHOLE_DEMO};
 
 #[test]
 fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let bad = OsString::from_vec(b"bad\xff".to_vec());
     fs::create_dir(folder.path("").join(&bad)).unwrap();
     let before = fs::read_dir(folder.path("")).unwrap().count();
@@ -39,7 +30,7 @@ fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
         "check",
     ] {
         for json in [&[][..], &["--json"]] {
-            let mut arguments: Vec<OsString> = words(line).into_iter().map(Into::into).collect();
+            let mut arguments: Vec<OsString> = line.split_whitespace().map(Into::into).collect();
             arguments.push(bad.clone());
             arguments.extend(json.iter().map(|j| (*j).into()));
             let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
@@ -58,7 +49,7 @@ fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
         fs::copy(folder.path(name), folder.path("").join(&bad).join(name)).unwrap();
     }
     let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
-        .args(words("check exciting_motion.csv --json"))
+        .args(["check", "exciting_motion.csv", "--json"])
         .current_dir(folder.path("").join(&bad))
         .output()
         .unwrap();
@@ -67,7 +58,7 @@ fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
 
 #[test]
 fn a_link_to_a_deleted_file_is_written_to_and_stays() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let link = folder.path("devices");
     fs::create_dir(&link).unwrap();
     // What /dev/stdout is: a link to the descriptor, whose file has another name or none.
@@ -77,7 +68,7 @@ fn a_link_to_a_deleted_file_is_written_to_and_stays() {
     let motion =
         "excite --robot ur10e --kind multi-sine --duration-s 5 --seed 1 --quiet --out /proc/self/fd/1";
     let status = Command::new(env!("CARGO_BIN_EXE_aurt"))
-        .args(words(motion))
+        .args(motion.split_whitespace())
         .current_dir(folder.path(""))
         .stdout(file.try_clone().unwrap())
         .status()
@@ -87,7 +78,7 @@ fn a_link_to_a_deleted_file_is_written_to_and_stays() {
     assert!(file.metadata().unwrap().len() > 1000);
     // A link that leads nowhere yet keeps its place too.
     symlink("target.csv", folder.path("link.csv")).unwrap();
-    folder.aurt(words(&motion.replace("/proc/self/fd/1", "link.csv"))).succeeded();
+    folder.run(motion.replace("/proc/self/fd/1", "link.csv")).succeeded();
     assert!(fs::symlink_metadata(folder.path("link.csv")).unwrap().is_symlink());
     assert!(folder.read("target.csv").starts_with("time,"));
 }
@@ -99,7 +90,7 @@ fn a_document_that_nobody_could_take_is_a_failure() {
         return;
     };
     let mut child = Command::new(env!("CARGO_BIN_EXE_aurt"))
-        .args(words("models --json"))
+        .args(["models", "--json"])
         .stdout(full)
         .stderr(Stdio::piped())
         .spawn()
@@ -118,19 +109,17 @@ fn counts_are_checked_before_memory_is_taken_for_them() {
         for kind in ["optimised", "multi-sine"] {
             let line =
                 format!("excite --robot ur10e --kind {kind} --harmonics {harmonics} --seed 1 --out m.csv");
-            folder.aurt(words(&line)).refused(&["number of harmonics", "between 1 and 40"]);
+            folder.run(&line).refused(&["number of harmonics", "between 1 and 40"]);
         }
     }
     let scenario = "robot = \"ur10e\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 5.0\n\
                     harmonics = 4294967296\ntop_hz = 0.8\nshare = 0.5\n";
     folder.write("scenario.toml", scenario);
     folder
-        .aurt(words("simulate --scenario scenario.toml --out m.csv"))
+        .run("simulate --scenario scenario.toml --out m.csv")
         .refused(&["scenario.toml", "number of harmonics"]);
     folder
-        .aurt(words(
-            "excite --robot ur10e --kind sweeps --duration-s 3600 --rate-hz 100000 --seed 1 --out m.csv",
-        ))
+        .run("excite --robot ur10e --kind sweeps --duration-s 3600 --rate-hz 100000 --seed 1 --out m.csv")
         .refused(&["number of rows"]);
     assert_eq!(folder.names(), ["scenario.toml"]);
 }
@@ -144,9 +133,9 @@ fn limits_are_radians_and_rows_are_whole() {
         "excite --mdh mdh.csv --limits limits.csv --kind sweeps --seed 1 --out m.csv --gravity 0 -9.81 0";
     let refusal = |rows: &str, said: &[&str]| {
         folder.write("limits.csv", &format!("{header}{rows}"));
-        folder.aurt(words(excite)).refused(said);
-        let run = folder.aurt(words(&format!("{excite} --json")));
-        let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+        folder.run(excite).refused(said);
+        let run = folder.run(format!("{excite} --json"));
+        let document = run.json();
         let problem = &document["error"]["problems"][0];
         assert_eq!((&problem["file"], &problem["line"]), (&"limits.csv".into(), &3.into()), "{document}");
     };
@@ -154,7 +143,7 @@ fn limits_are_radians_and_rows_are_whole() {
     refusal("-3,3,1,3\n-180,180,1,3\n", &["limits.csv", "lower_rad", "radians"]);
     refusal("-3,3,1,3\n-3,x,1,3\n", &["limits.csv", "`x` is no finite number"]);
     folder.write("limits.csv", &format!("{header}-3,3,1,3\n-3,3,1,3\n"));
-    folder.aurt(words(excite)).succeeded();
+    folder.run(excite).succeeded();
 }
 
 #[test]
@@ -172,8 +161,8 @@ fn programs_are_told_the_place_of_what_is_wrong() {
         ("l.so", "no library".to_owned(), None, "models --plugin"),
     ] {
         folder.write(file, &text);
-        let run = folder.aurt(words(&format!("--json {command} {file}")));
-        let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+        let run = folder.run(format!("--json {command} {file}"));
+        let document = run.json();
         let problem = &document["error"]["problems"][0];
         assert_eq!((problem["file"].as_str(), problem["line"].as_u64()), (Some(file), line), "{document}");
         let message = problem["message"].as_str().unwrap();
@@ -186,7 +175,7 @@ fn programs_are_told_the_place_of_what_is_wrong() {
 fn the_keys_that_the_pages_list_are_in_the_files() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     let folder = Folder::new();
-    folder.aurt(words("demo --out demo --quiet")).succeeded();
+    folder.run("demo --out demo --quiet").succeeded();
     let metrics = folder.json("demo/metrics.json");
     let page = fs::read_to_string(docs.join("formats.md")).unwrap();
     let beside = page.split("Further keys are").nth(1).unwrap().split(';').next().unwrap();
@@ -207,10 +196,10 @@ fn the_keys_that_the_pages_list_are_in_the_files() {
 
 #[test]
 fn unknown_names_take_no_time_and_no_page() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let quick = |arguments: &str, said: &[&str]| {
         let begin = Instant::now();
-        let said = folder.aurt(words(arguments)).refused(said);
+        let said = folder.run(arguments).refused(said);
         // Generous: a slow machine builds no quadratic algorithm.
         assert!(begin.elapsed() < Duration::from_secs(60), "{arguments} took {:?}", begin.elapsed());
         assert!(said.len() < 100_000, "{arguments} says {} bytes", said.len());
@@ -230,38 +219,34 @@ fn a_dollar_in_a_folder_is_no_variable() {
     let folder = Folder::new();
     let inner = folder.path("of $HOME");
     fs::create_dir(&inner).unwrap();
-    let demo = experiment();
-    for name in
-        ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv", "experiment.toml"]
-    {
-        fs::copy(demo.path(name), inner.join(name)).unwrap();
+    for name in WHOLE_DEMO {
+        fs::copy(DEMO.path("demo").join(name), inner.join(name)).unwrap();
     }
     let mut text = fs::read_to_string(inner.join("experiment.toml")).unwrap();
     text.push_str("\n[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 6.0]\n");
     fs::write(inner.join("sweep.toml"), text).unwrap();
     let run = |line: &str| {
-        let mut arguments = words(line);
+        let mut arguments: Vec<_> = line.split_whitespace().collect();
         let path = inner.join(arguments.pop().unwrap());
         arguments.push(path.to_str().unwrap());
         folder.aurt(arguments)
     };
     run("sweep plan --out swept sweep.toml").succeeded();
-    folder.aurt(words("sweep point 1 --out swept")).succeeded();
+    folder.run("sweep point 1 --out swept").succeeded();
 }
 
 #[test]
 fn what_a_cell_says_commands_no_terminal() {
     let folder = Folder::new();
     folder.write("mdh.csv", "alpha,a,d\n0,\u{1b}[2J\u{1b}]0;title\u{7},0\n");
-    let said = folder
-        .aurt(words("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out r.json"))
-        .refused(&["mdh.csv:2"]);
+    let said =
+        folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out r.json").refused(&["mdh.csv:2"]);
     assert!(!said.contains('\u{1b}') && !said.contains('\u{7}'), "{said:?}");
 }
 
 #[test]
 fn numbers_that_no_robot_has_are_refused_and_none_leave() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     for (table, said) in [
         ("alpha,a,d\n0,0.5,1e308\n0,0,0\n", "metres"),
         ("alpha,a,d\n90,0.5,0\n0,0,0\n", "pi/2"),
@@ -269,11 +254,11 @@ fn numbers_that_no_robot_has_are_refused_and_none_leave() {
     ] {
         folder.write("odd.csv", table);
         folder
-            .aurt(words("compile-rbd --mdh odd.csv --gravity 0 0 -9.81 --out r.json"))
+            .run("compile-rbd --mdh odd.csv --gravity 0 0 -9.81 --out r.json")
             .refused(&["odd.csv:2", said]);
     }
-    folder.aurt(words("compile-rbd --mdh mdh.csv --gravity 0 0 1e300 --out r.json")).refused(&["gravity"]);
-    folder.aurt(words("run experiment.toml --out out")).succeeded();
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 1e300 --out r.json").refused(&["gravity"]);
+    folder.run("run experiment.toml --out out").succeeded();
     // A saved model with a coefficient that overflows.
     let mut model = folder.json("out/rd_calibrated.json");
     let mut changed = 0;
@@ -281,7 +266,7 @@ fn numbers_that_no_robot_has_are_refused_and_none_leave() {
     assert!(changed > 0);
     folder.write("odd.json", &model.to_string());
     folder
-        .aurt(words("predict --model odd.json --data other_motion.csv --out p.csv"))
+        .run("predict --model odd.json --data other_motion.csv --out p.csv")
         .refused(&["p.csv", "not a finite number"]);
     assert!(!folder.names().contains(&"p.csv".to_owned()));
     // The geometry that a model carries is held to the same bounds.
@@ -290,7 +275,7 @@ fn numbers_that_no_robot_has_are_refused_and_none_leave() {
     let end = at + text[at..].find([',', '}', '\n']).unwrap();
     folder.write("far.json", &format!("{} 1e308{}", &text[..at], &text[end..]));
     folder
-        .aurt(words("predict --model far.json --data other_motion.csv --out p.csv"))
+        .run("predict --model far.json --data other_motion.csv --out p.csv")
         .refused(&["far.json", "metres"]);
 }
 
@@ -310,14 +295,14 @@ fn change_numbers(value: &mut serde_json::Value, changed: &mut usize) {
 
 #[test]
 fn pipes_and_devices_end() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     assert!(Command::new("mkfifo").arg(folder.path("pipe")).status().unwrap().success());
     symlink("/dev/zero", folder.path("zero")).unwrap();
     symlink("/proc/kmsg", folder.path("kernel")).unwrap();
     // Of files of a sweep a hash is taken first, for which they are read once more.
     let sweep = folder.read("experiment.toml").replace("exciting_motion.csv", "pipe");
     folder.write("sweep.toml", &(sweep + "\n[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 6.0]\n"));
-    for (line, said) in [
+    let lines = [
         ("run zero --out out", "device"),
         ("check zero", "device"),
         ("compile-rbd --mdh zero --gravity 0 0 -9.81 --out r.json", "device"),
@@ -332,28 +317,35 @@ fn pipes_and_devices_end() {
         ("compile-rbd --mdh kernel --gravity 0 0 -9.81 --out r.json", "kernel"),
         ("predict --model kernel --data other_motion.csv --out p.csv", "kernel"),
         ("predict --model zero --data other_motion.csv --out p.csv", "device"),
-    ] {
+    ];
+    let ends = |(k, (line, said)): (usize, (&str, &str))| {
         let begin = Instant::now();
-        folder.aurt(words(line)).refused(&[said]);
+        folder.run(line.replace("--out ", &format!("--out {k}_"))).refused(&[said]);
         assert!(begin.elapsed() < Duration::from_secs(60), "{line}: {:?}", begin.elapsed());
-    }
+    };
+    // They wait for a writer: all at the same time, each with an output of its own.
+    std::thread::scope(|scope| {
+        for line in lines.into_iter().enumerate() {
+            scope.spawn(move || ends(line));
+        }
+    });
 }
 
 #[test]
 fn pipes_are_read_once() {
-    let folder = experiment().with_demo(&["rd_calibrated.json"]);
+    let folder = Folder::new().with_whole_demo().with_demo(&["rd_calibrated.json"]);
     assert!(Command::new("mkfifo").arg(folder.path("pipe")).status().unwrap().success());
     let run = |line: &str, name: &str| {
         let (pipe, contents) = (folder.path("pipe"), folder.read(name));
         // A command that refuses its input stops reading it.
         let writer = std::thread::spawn(move || drop(fs::write(pipe, contents)));
-        let run = folder.aurt(words(line));
+        let run = folder.run(line);
         writer.join().unwrap();
         run
     };
     run("export c pipe --name arm --out c", "rd_calibrated.json").succeeded();
     run("predict --model pipe --data other_motion.csv --out p.csv", "rd_calibrated.json").succeeded();
-    folder.aurt(words("predict --model rd_calibrated.json --data other_motion.csv --out q.csv")).succeeded();
+    folder.run("predict --model rd_calibrated.json --data other_motion.csv --out q.csv").succeeded();
     assert_eq!(folder.read("p.csv"), folder.read("q.csv"));
     let line = "init pipe --robot ur10e --out first.toml";
     run(line, "other_motion.csv").refused(&["pipe", "which can be read once only", "save its contents"]);
@@ -361,18 +353,18 @@ fn pipes_are_read_once() {
 
 #[test]
 fn files_of_other_kinds_are_told_apart() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let toml = folder.read("experiment.toml");
     let refused = |bytes: &[u8], said: &[&str]| {
         fs::write(folder.path("odd.toml"), bytes).unwrap();
-        folder.aurt(words("run odd.toml --out out")).refused(said);
+        folder.run("run odd.toml --out out").refused(said);
     };
     refused(b"\x1f\x8b\x08\0", &["odd.toml", "gunzip"]);
     refused(&[b"\xff\xfe".as_slice(), toml.as_bytes()].concat(), &["UTF-16"]);
     refused(&[toml.as_bytes(), b"\0"].concat(), &["zero byte"]);
     refused(&[toml.as_bytes(), b"# \xff"].concat(), &["no UTF-8"]);
     fs::write(folder.path("odd.toml"), [b"\xef\xbb\xbf".as_slice(), toml.as_bytes()].concat()).unwrap();
-    folder.aurt(words("run odd.toml --out out")).succeeded();
+    folder.run("run odd.toml --out out").succeeded();
 }
 
 #[test]
@@ -397,27 +389,21 @@ fn a_diagnosis_of_more_joints_than_it_can_weigh_is_refused_at_once() {
          coulomb = { model = \"none\" }\nhysteresis = { model = \"sign\" }\n\
          viscous = { model = \"polynomial\", powers = [1] }\n[recordings]\ncalibration = [\"a.csv\"]\n",
     );
-    folder.aurt(words("diagnose experiment.toml --out out")).refused(&[
-        "experiment.toml",
-        "30 joints",
-        "up to 20",
-    ]);
+    folder.run("diagnose experiment.toml --out out").refused(&["experiment.toml", "30 joints", "up to 20"]);
     assert!(!folder.path("out").exists());
 }
 
 #[test]
 fn an_interrupted_command_answers_at_once_and_leaves_nothing_half_done() {
-    let folder = experiment();
-    let text = folder.read("experiment.toml");
-    folder.write("experiment.toml", &text);
+    let folder = Folder::new().with_whole_demo();
     let begin = Instant::now();
-    folder.aurt(words("diagnose experiment.toml --out whole"));
+    folder.run("diagnose experiment.toml --out whole");
     // What does not listen goes on to its end, however busy the machine is.
     let longest = (begin.elapsed() / 2).max(Duration::from_secs(1));
     for signal in ["INT", "TERM"] {
         for after_ms in [30, 150, 400] {
             let child = Command::new(env!("CARGO_BIN_EXE_aurt"))
-                .args(words("diagnose experiment.toml --out out"))
+                .args(["diagnose", "experiment.toml", "--out", "out"])
                 .current_dir(folder.path(""))
                 .stdout(Stdio::null())
                 .stderr(Stdio::piped())

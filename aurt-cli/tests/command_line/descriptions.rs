@@ -3,7 +3,7 @@
 use aurt::simulation::Robot;
 use serde_json::{Value, json};
 
-use crate::support::Folder;
+use crate::support::{Folder, without_constants};
 
 /// How the links of the arm stand on one another: origin and turn about x of each joint's frame in that of the link before.
 const JOINTS: [([f64; 3], f64); 6] = [
@@ -28,7 +28,7 @@ fn recorded() -> (Folder, Robot) {
         let drives = (0..6).map(|j| format!("[[drive]]\njoint = {j}\nload_coefficient = 0.0\n"));
         folder.write("scenario.toml", &drives.fold(scenario, |text, drive| text + &drive));
         let out = format!("{name}.csv");
-        folder.aurt(["simulate", "--scenario", "scenario.toml", "--out", &out, "--quiet"]).succeeded();
+        folder.run(format!("simulate --scenario scenario.toml --out {out} --quiet")).succeeded();
     }
     folder.write("mdh.csv", &robot.mdh_csv());
     let constants: Vec<f64> = robot.drives.iter().map(|d| d.torque_constant_nm_per_a).collect();
@@ -187,9 +187,7 @@ fn descriptions_that_are_no_model_of_the_arm_are_refused() {
 
     folder.write("robot.urdf", &whole);
     let text = folder.read("experiment.toml");
-    let amperes: String =
-        text.lines().filter(|l| !l.starts_with("torque_constants")).collect::<Vec<_>>().join("\n");
-    folder.write("amperes.toml", &amperes);
+    folder.write("amperes.toml", &without_constants(&text));
     let arguments = ["diagnose", "amperes.toml", "--model", "robot.urdf", "--out", "out", "--quiet"];
     folder.aurt(arguments).refused(&["in Nm", "in A", "torque_constants_nm_per_a"]);
     folder.write("rd.json", "{}");

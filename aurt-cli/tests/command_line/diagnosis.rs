@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{Folder, numbers, real_recordings};
+use crate::support::{Folder, assert_has, column, numbers, real_recordings, with_cells, with_table};
 
 /// The verdict on a case, and whether the exit status fits it.
 #[track_caller]
@@ -27,7 +27,7 @@ fn truth(folder: &Folder, case: &str) -> Value {
 /// named so.
 #[test]
 fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
-    let plan = "[singles]\nrobots = ['ur10e']\n\
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\n\
                 effects = ['rotor_inertia', 'joint_coupling_friction', 'viscous_asymmetry']\n\
                 strengths = ['medium']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 2024);
@@ -60,8 +60,8 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
 /// the exponent.
 #[test]
 fn the_law_of_stribeck_friction_is_that_of_the_robot() {
-    let plan = "[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
-    let folder = Folder::new().with_concealed(plan, 2024);
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
+    let folder = Folder::new().with_concealed(plan, 4);
     let hidden = &truth(&folder, "case_0001")["effects"][0];
     let found = verdict(&folder, "case_0001", &[]);
     assert_eq!(found["verdict"], "named", "{hidden} {found}");
@@ -83,22 +83,17 @@ fn friction_beside_a_load_is_no_noise() {
     let folder =
         Folder::new().with_demo(&["mdh.csv", "later.toml", "exciting_motion.csv"]).with_demo(&changed_files);
     for name in changed_files {
-        let text = folder.read(name);
-        let rows: Vec<Vec<f64>> =
-            text.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
-        let mut changed = text.lines().next().unwrap().to_owned();
-        for (k, row) in rows.iter().enumerate() {
-            // Positions stand after the stamp, currents after these.
-            let (joint, ahead, behind) = (2, (k + 10).min(rows.len() - 1), k.saturating_sub(10));
-            let mut row = row.clone();
-            row[7 + joint] +=
-                MORE_NM / NM_PER_A * (rows[ahead][1 + joint] - rows[behind][1 + joint]).signum();
-            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
-            changed += &format!("\n{}", cells.join(","));
-        }
-        folder.write(name, &changed);
+        let q_rad = column(&folder.read(name), "actual_q_2");
+        let more = |k: usize, current: &str| {
+            let ahead = q_rad[(k + 10).min(q_rad.len() - 1)];
+            let sign = (ahead - q_rad[k.saturating_sub(10)]).signum();
+            (current.parse::<f64>().unwrap() + MORE_NM / NM_PER_A * sign).to_string()
+        };
+        // Positions stand after the stamp, currents after these.
+        folder
+            .edit(name, |text| with_cells(text, |k, column, cell| (column == 7 + 2).then(|| more(k, cell))));
     }
-    let run = folder.aurt(["diagnose", "later.toml", "--out", "out", "--quiet"]);
+    let run = folder.run("diagnose later.toml --out out --quiet");
     assert_eq!(run.status(), 1, "{}", run.stderr());
     let verdict = folder.json("out/verdict.json");
     let effects = verdict["effects"].as_array().unwrap();
@@ -116,7 +111,7 @@ fn friction_beside_a_load_is_no_noise() {
 /// Physics that no candidate describes is not given a name, and nothing is nothing.
 #[test]
 fn unknown_effects_stay_unexplained_and_nulls_are_null() {
-    let plan = "[unknown_effects]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
+    let plan = "[recordings]\nduration_s = 10.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
                 [nulls]\nrobots = ['ur10e']\ncount = 1\n";
     let folder = Folder::new().with_concealed(plan, 2025);
     for case in ["case_0001", "case_0002"] {
@@ -146,21 +141,16 @@ fn an_encoder_that_has_lost_its_zero_is_found_with_its_offset() {
     const OFFSET_RAD: f64 = 0.3;
     let folder = Folder::new().with_whole_demo();
     for name in ["other_motion.csv", "point_to_point.csv"] {
-        let text = folder.read(name);
-        let column = text.lines().next().unwrap().split(',').position(|cell| cell == "actual_q_2").unwrap();
-        let shifted = |(k, cell): (usize, &str)| match cell.parse::<f64>() {
-            Ok(angle) if k == column => format!("{:.9}", angle + OFFSET_RAD),
-            _ => cell.to_owned(),
-        };
-        let row = |line: &str| line.split(',').enumerate().map(shifted).collect::<Vec<_>>().join(",");
-        folder.write(name, &(text.lines().map(row).collect::<Vec<_>>().join("\n") + "\n"));
+        let shifted = |cell: &str| format!("{:.9}", cell.parse::<f64>().unwrap() + OFFSET_RAD);
+        // The stamp, then joint after joint.
+        folder.edit(name, |text| with_cells(text, |_, column, cell| (column == 3).then(|| shifted(cell))));
     }
     let listed = "validation = [\"other_motion.csv\", \"point_to_point.csv\"]";
     let toml = folder.read("experiment.toml");
     assert!(toml.contains(listed));
     let asked = "target = [\"other_motion.csv\"]\nvalidation = [\"point_to_point.csv\"]";
     folder.write("shifted.toml", &toml.replace(listed, asked));
-    assert_eq!(folder.aurt(["diagnose", "shifted.toml", "--out", "out"]).status(), 1);
+    assert_eq!(folder.run("diagnose shifted.toml --out out").status(), 1);
     let verdict = folder.json("out/verdict.json");
     let changes: Vec<&Value> = verdict["effects"]
         .as_array()
@@ -188,7 +178,7 @@ fn a_load_in_the_held_out_recording_is_no_all_clear() {
         ("beside", "target = [\"other_motion.csv\"]\nvalidation = [\"later_motion.csv\"]"),
     ] {
         folder.write("loaded.toml", &toml.replace(listed, recordings));
-        let run = folder.aurt(["diagnose", "loaded.toml", "--out", out]);
+        let run = folder.run(format!("diagnose loaded.toml --out {out}"));
         let verdict = folder.json(&format!("{out}/verdict.json"));
         assert_eq!(run.status(), 1, "{verdict}");
         assert_eq!(verdict["verdict"], "held_out_differs", "{verdict}");
@@ -214,18 +204,16 @@ fn a_load_in_the_held_out_recording_is_no_all_clear() {
 fn the_improved_experiment_has_what_was_left_out() {
     let folder = Folder::new().with_whole_demo();
     let whole = folder.read("experiment.toml");
-    let complete = folder.aurt(["diagnose", "experiment.toml", "--out", "complete", "--quiet"]);
+    let complete = folder.run("diagnose experiment.toml --out complete --quiet");
     assert_eq!(complete.status(), 0, "{}", complete.stderr());
     assert_eq!(folder.json("complete/verdict.json")["verdict"], "no_mismatch");
 
-    let start = whole.find("[[arm_terms]]").unwrap();
-    let end = start + whole[start..].find("[recordings]").unwrap();
-    folder.write("lacking.toml", &format!("{}{}", &whole[..start], &whole[end..]));
-    assert_eq!(folder.aurt(["diagnose", "lacking.toml", "--out", "lacking"]).status(), 1);
+    folder.write("lacking.toml", &with_table(&whole, "[[arm_terms]]", ""));
+    assert_eq!(folder.run("diagnose lacking.toml --out lacking").status(), 1);
     let verdict = folder.json("lacking/verdict.json");
     assert_eq!(verdict["effects"][0]["effect"], "rotor_inertia", "{verdict}");
     assert_eq!(verdict["effects"][0]["joints"], serde_json::json!([2, 3, 4, 5]));
-    folder.aurt(["run", "lacking/improved.toml", "--out", "again", "--quiet"]).succeeded();
+    folder.run("run lacking/improved.toml --out again --quiet").succeeded();
     let again = folder.json("again/rd_calibrated.json");
     assert_eq!(
         again["calibration"]["parameters"],
@@ -236,12 +224,10 @@ fn the_improved_experiment_has_what_was_left_out() {
 /// The demo's experiment without its arm terms, with another recording of the same robot as target.
 fn unchanged_target() -> Folder {
     let folder = Folder::new().with_whole_demo();
-    let whole = folder.read("experiment.toml");
-    let (terms, recordings) = (whole.find("[[arm_terms]]").unwrap(), whole.find("[recordings]").unwrap());
-    let after = recordings + 1 + whole[recordings + 1..].find("\n[").unwrap();
+    let without_terms = with_table(&folder.read("experiment.toml"), "[[arm_terms]]", "");
     let asked = "[recordings]\ncalibration = [\"exciting_motion.csv\"]\ntarget = [\"other_motion.csv\"]\n\
                  validation = [{ file = \"point_to_point.csv\", window_s = [1.0, 60.0] }]\n";
-    folder.write("asked.toml", &format!("{}{asked}{}", &whole[..terms], &whole[after..]));
+    folder.write("asked.toml", &with_table(&without_terms, "[recordings]", asked));
     folder
 }
 
@@ -249,7 +235,7 @@ fn unchanged_target() -> Folder {
 #[test]
 fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
     let folder = unchanged_target();
-    let run = folder.aurt(["diagnose", "asked.toml", "--out", "out"]);
+    let run = folder.run("diagnose asked.toml --out out");
     assert_eq!(run.status(), 1, "{}", run.stderr());
     let verdict = folder.json("out/verdict.json");
     let everywhere = serde_json::json!(["calibration", "target"]);
@@ -262,25 +248,17 @@ fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
     let in_window = said.lines().any(|l| l.contains("held out: point_to_point.csv from 1 to 60 s"));
     assert!(in_window, "{said}");
     assert!(said.lines().take_while(|l| !l.starts_with("added")).all(|l| l.chars().count() <= 80), "{said}");
-    let page = folder.read("out/report.html");
-    for words in [
-        "Nothing has changed; in all recordings the model lacks",
-        "Changed in the target: nothing.",
-        "Missing in all recordings:",
-    ] {
-        assert!(page.contains(words), "{words}");
-    }
+    let words = ["Nothing has changed; in all recordings the model lacks", "Changed in the target: nothing."];
+    assert_has(&folder.read("out/report.html"), &[&words[..], &["Missing in all recordings:"]].concat());
 }
 
 /// The improved experiment names its files from where it lies, so that a project can be moved as a whole.
 #[test]
 fn the_improved_experiment_is_read_from_anywhere_and_moves_with_its_recordings() {
     let folder = unchanged_target();
-    assert_eq!(folder.aurt(["diagnose", "asked.toml", "--out", "out", "--quiet"]).status(), 1);
+    assert_eq!(folder.run("diagnose asked.toml --out out --quiet").status(), 1);
     let improved = folder.read("out/improved.toml");
-    for file in ["\"../mdh.csv\"", "\"../exciting_motion.csv\"", "\"../other_motion.csv\""] {
-        assert!(improved.contains(file), "{file} is missing in\n{improved}");
-    }
+    assert_has(&improved, &["\"../mdh.csv\"", "\"../exciting_motion.csv\"", "\"../other_motion.csv\""]);
     assert!(!improved.contains(folder.path("").to_str().unwrap()), "{improved}");
 
     let elsewhere = Folder::new();
@@ -296,13 +274,24 @@ fn the_improved_experiment_is_read_from_anywhere_and_moves_with_its_recordings()
         std::fs::rename(folder.path(file), moved.join(file)).unwrap();
     }
     std::fs::rename(path, moved.join("answer/improved.toml")).unwrap();
-    folder.aurt(["run", "project/answer/improved.toml", "--out", "later", "--quiet"]).succeeded();
+    folder.run("run project/answer/improved.toml --out later --quiet").succeeded();
+}
+
+/// The example of a UR10e's structure with another calibration recording and a target.
+fn ur10e(calibration: &str, target: &str) -> String {
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_structure.toml");
+    let asked = |line: &str| match line.split_whitespace().next() {
+        Some("calibration") => format!("calibration = [\"${{AURT_DATA}}/ur10e/{calibration}.csv\"]"),
+        Some("validation") => format!("target = [\"${{AURT_DATA}}/ur10e/{target}.csv\"]"),
+        _ => line.to_owned(),
+    };
+    std::fs::read_to_string(example).unwrap().lines().map(asked).collect::<Vec<_>>().join("\n")
 }
 
 fn example(name: &str) -> (Folder, Value) {
     let experiment = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_{}.toml"), name);
     let folder = Folder::new();
-    folder.aurt(["diagnose", &experiment, "--out", "out", "--quiet"]);
+    folder.run(format!("diagnose {experiment} --out out --quiet"));
     let verdict = folder.json("out/verdict.json");
     (folder, verdict)
 }
@@ -338,22 +327,9 @@ fn a_calibration_recording_that_determines_little_is_no_excuse() {
     let Some(_) = real_recordings("a_calibration_recording_that_determines_little_is_no_excuse") else {
         return;
     };
-    let example = std::fs::read_to_string(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../examples/diagnose_ur10e_structure.toml"
-    ));
-    let asked: Vec<String> = example
-        .unwrap()
-        .lines()
-        .map(|line| match line.split_whitespace().next() {
-            Some("calibration") => "calibration = [\"${AURT_DATA}/ur10e/joint_1_only.csv\"]".to_owned(),
-            Some("validation") => "target = [\"${AURT_DATA}/ur10e/excitation_20s.csv\"]".to_owned(),
-            _ => line.to_owned(),
-        })
-        .collect();
     let folder = Folder::new();
-    folder.write("asked.toml", &asked.join("\n"));
-    let run = folder.aurt(["diagnose", "asked.toml", "--out", "out", "--verdict-only"]);
+    folder.write("asked.toml", &ur10e("joint_1_only", "excitation_20s"));
+    let run = folder.run("diagnose asked.toml --out out --verdict-only");
     assert_eq!(run.status(), 1, "{}", run.stderr());
     let verdict = folder.json("out/verdict.json");
     assert_ne!(verdict["verdict"], "no_mismatch", "{verdict}");
@@ -370,34 +346,24 @@ fn short_and_empty_recordings_are_no_excuse() {
     let folder = Folder::new().with_whole_demo();
     let whole = folder.read("experiment.toml");
     let calibrated_on = |recordings: &str| {
-        let (start, rest) = (whole.find("[recordings]").unwrap(), whole.find("[recordings]").unwrap() + 1);
-        let after = rest + whole[rest..].find("\n[").unwrap();
-        format!("{}[recordings]\ncalibration = [{recordings}]\n{}", &whole[..start], &whole[after..])
+        with_table(&whole, "[recordings]", &format!("[recordings]\ncalibration = [{recordings}]\n"))
     };
     folder.write("short.toml", &calibrated_on("{ file = \"exciting_motion.csv\", window_s = [2.0, 3.5] }"));
-    folder.aurt(["diagnose", "short.toml", "--out", "short"]).refused(&["exciting_motion.csv", "too short"]);
+    folder.run("diagnose short.toml --out short").refused(&["exciting_motion.csv", "too short"]);
 
-    let recording = folder.read("exciting_motion.csv");
-    let mut lines = recording.lines();
-    let header = lines.next().unwrap();
-    let measured = |name: &str| name.contains("current") || name.contains("torque");
-    let zero: Vec<bool> = header.split(',').map(measured).collect();
-    assert!(zero.contains(&true), "{header}");
-    let emptied = lines.map(|line| {
-        let values = line.split(',').zip(&zero).map(|(v, zero)| if *zero { "0" } else { v });
-        values.collect::<Vec<_>>().join(",")
+    // After the stamp and the positions of six joints come their currents.
+    folder.edit("exciting_motion.csv", |text| {
+        with_cells(text, |_, column, _| (7..13).contains(&column).then(|| "0".to_owned()))
     });
-    let emptied: Vec<String> = std::iter::once(header.to_owned()).chain(emptied).collect();
-    folder.write("zero.csv", &emptied.join("\n"));
+    std::fs::rename(folder.path("exciting_motion.csv"), folder.path("zero.csv")).unwrap();
     folder.write("zero.toml", &calibrated_on("\"zero.csv\""));
-    folder.aurt(["diagnose", "zero.toml", "--out", "zero"]).refused(&["zero.csv", "constant"]);
+    folder.run("diagnose zero.toml --out zero").refused(&["zero.csv", "constant"]);
 }
 
 /// With an effect withheld its detector masks nothing.
 #[test]
 fn a_contact_that_may_not_be_named_is_not_masked_either() {
-    let plan =
-        "[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 2026);
     let case = "case_0001";
     let joints = truth(&folder, case)["effects"][0]["joints"].clone();
@@ -418,19 +384,10 @@ fn a_contact_that_may_not_be_named_is_not_masked_either() {
 #[test]
 fn a_push_against_a_standing_arm_is_a_contact() {
     let Some(_) = real_recordings("a_push_against_a_standing_arm_is_a_contact") else { return };
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_structure.toml");
-    let example = std::fs::read_to_string(example).unwrap();
-    let asked: Vec<String> = example
-        .lines()
-        .map(|line| match line.split_whitespace().next() {
-            Some("calibration") => "calibration = [\"${AURT_DATA}/ur10e/unloaded_50s.csv\"]".to_owned(),
-            Some("validation") => "target = [\"${AURT_DATA}/ur10e/push_standing.csv\"]".to_owned(),
-            _ => line.to_owned(),
-        })
-        .collect();
+    let asked = ur10e("unloaded_50s", "push_standing");
     let folder = Folder::new();
     for (name, more) in [("trimmed", ""), ("whole", "\ntrim_rest = false\n")] {
-        folder.write(&format!("{name}.toml"), &(asked.join("\n") + more));
+        folder.write(&format!("{name}.toml"), &format!("{asked}{more}"));
         let run = folder.aurt(["diagnose", &format!("{name}.toml"), "--out", name, "--verdict-only"]);
         assert_eq!(run.status(), 1, "{}", run.stderr());
         let verdict = folder.json(&format!("{name}/verdict.json"));

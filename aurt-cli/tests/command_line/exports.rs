@@ -20,15 +20,14 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     let folder = Folder::new().with_whole_demo();
     let text = folder.read("experiment.toml") + "\n[calibration]\nestimator = \"consistent\"\n";
     folder.write("experiment.toml", &text);
-    folder.aurt(["run", "experiment.toml", "--out", "of_mdh"]).succeeded();
+    folder.run("run experiment.toml --out of_mdh").succeeded();
     let export = |model: &str, more: &[&str]| folder.aurt(["export", "mjcf", model].iter().chain(more));
     let made = export("of_mdh/rd_calibrated.json", &["--name", "own", "--out", ".", "--json"]).succeeded();
     // Friction of joints 1 and 2 depends on load, which MuJoCo has no word for; all else is read back.
     assert_eq!(unlike_the_model(&made.stdout()), [false, true, true, false, false, false]);
-    folder.aurt(["export", "sdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
+    folder.run("export sdf of_mdh/rd_calibrated.json --name own --out .").succeeded();
     assert!(folder.read("own.sdf").contains("<sdf version=\"1.9\">"));
-    let rust =
-        |name| folder.aurt(["export", "rust", "of_mdh/rd_calibrated.json", "--name", name, "--out", "crate"]);
+    let rust = |name| folder.run(format!("export rust of_mdh/rd_calibrated.json --name {name} --out crate"));
     rust("core").refused(&["`core`", "is a word or a crate of Rust"]);
     rust("own").succeeded();
     assert!(folder.read("crate/src/lib.rs").contains("pub fn step(state: &mut State, t: f64, q: &[f64; 6]"));
@@ -59,7 +58,7 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
         .collect();
     folder.write("again.toml", &with_file);
     let model = "of_file/rd_calibrated.json";
-    assert!(folder.aurt(["run", "again.toml", "--out", "of_file"]).status() < 2);
+    assert!(folder.run("run again.toml --out of_file").status() < 2);
     let said = export(model, &["--into", "own.xml", "--out", "corrected", "--json"]).succeeded().stdout();
     assert!(said.contains("joint joint_1: damping 0.0000 to "), "{said}");
     assert_eq!(unlike_the_model(&said), [false, true, true, false, false, false]);
@@ -93,10 +92,10 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     let other = export("of_mdh/rd_calibrated.json", &["--into", "experiment.toml", "--out", "x"]);
     other.refused(&["well-formed XML"]);
     folder
-        .aurt(["export", "sdf", model, "--into", "own.xml", "--out", "x"])
+        .run(format!("export sdf {model} --into own.xml --out x"))
         .refused(&["--into", "`mjcf` and `urdf` alone"]);
     folder
-        .aurt(["export", "urdf", model, "--into", "own.xml", "--out", "x"])
+        .run(format!("export urdf {model} --into own.xml --out x"))
         .refused(&["<mujoco>, and <robot> of URDF is wanted"]);
     export(model, &["--tip", "own_link_5", "--out", "x"]).refused(&["--into"]);
 }

@@ -1,6 +1,6 @@
 //! `aurt init`: an experiment from a robot and its logs.
 
-use crate::support::Folder;
+use crate::support::{Folder, assert_has, one_line, with_cells};
 
 const LOGS: [&str; 2] = ["exciting_motion.csv", "other_motion.csv"];
 const CONSTANTS: [&str; 7] =
@@ -26,15 +26,12 @@ fn a_robot_and_its_logs_become_an_experiment_that_runs() {
     assert!(said.contains("no common mistake explains more"), "{said}");
     let text = folder.read("experiment.toml");
     assert!(text.starts_with("schema = 1"), "{text}");
-    for guess in
-        ["mdh_rows = \"next\"      # guessed", "9.81]      # guessed", "torque_constants_nm_per_a = [11.976"]
-    {
-        assert!(text.contains(guess), "{guess}: {text}");
-    }
+    assert_has(&text, &["mdh_rows = \"next\"      # guessed", "9.81]      # guessed"]);
+    assert_has(&text, &["torque_constants_nm_per_a = [11.976"]);
     let roles = text.split_once("[recordings]").unwrap().1.split_once("validation").unwrap();
     assert!(roles.0.contains(LOGS[0]) && roles.1.contains(LOGS[1]), "what moves more calibrates: {text}");
     assert!(!text.contains("again.csv"), "{text}");
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
     folder.aurt(init(&LOGS, &[])).refused(&["experiment.toml exists", "experiments are not overwritten"]);
 }
 
@@ -56,11 +53,9 @@ fn targets_and_held_out_recordings_are_named() {
 #[test]
 fn the_printed_error_is_that_of_the_experiment() {
     let folder = demo();
-    let said = folder.aurt(init(&LOGS, &CONSTANTS)).succeeded().stdout();
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = one_line(&folder.aurt(init(&LOGS, &CONSTANTS)).succeeded().stdout());
     std::fs::remove_file(folder.path("experiment.toml")).unwrap();
-    let run = folder.aurt(init(&LOGS, &[&CONSTANTS[..], &["--json"]].concat())).succeeded();
-    let json: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    let json = folder.aurt(init(&LOGS, &[&CONSTANTS[..], &["--json"]].concat())).succeeded().json();
     let [written, tried] = ["written", "before"].map(|key| json["setup"][key]["joints"].clone());
     let percents = |joints: &serde_json::Value| {
         let percent = |e: &serde_json::Value| {
@@ -77,10 +72,9 @@ fn the_printed_error_is_that_of_the_experiment() {
 #[test]
 fn currents_without_constants_accuse_no_robot() {
     let folder = demo();
-    let said = folder.aurt(init(&LOGS, &[])).succeeded().stdout();
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("to detect wrong zeros and geometries, torque constants are needed"), "{said}");
-    assert!(folder.read("experiment.toml").contains("# Currents stay in A"), "{said}");
+    let said = one_line(&folder.aurt(init(&LOGS, &[])).succeeded().stdout());
+    assert_has(&said, &["to detect wrong zeros and geometries, torque constants are needed"]);
+    assert_has(&folder.read("experiment.toml"), &["# Currents stay in A"]);
 }
 
 /// What a key can say is set; the experiment then runs.
@@ -103,7 +97,7 @@ fn a_mistake_that_the_recordings_show_is_corrected_in_the_file() {
     for (columns, factor, right) in wrong_logs {
         let folder = demo();
         for log in LOGS {
-            folder.write(log, &scaled(&folder.read(log), columns, factor));
+            folder.edit(log, |table| scaled(table, columns, factor));
         }
         corrected(&folder, &[], right);
     }
@@ -116,21 +110,14 @@ fn corrected(folder: &Folder, wrong: &[&str], right: &str) {
     let text = folder.read("experiment.toml");
     let head = "# The recordings said otherwise than the first guess.";
     assert!(text.starts_with(head) && text.contains(right), "{right}: {said}\n{text}");
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
 }
 
 /// A table with the columns whose names begin so multiplied.
 fn scaled(table: &str, columns: &str, factor: f64) -> String {
     let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let cells = |line: &str| -> Vec<String> {
-        let scaled = |(name, cell): (&&str, &str)| match name.starts_with(columns) {
-            true => (factor * cell.parse::<f64>().unwrap()).to_string(),
-            false => cell.to_owned(),
-        };
-        names.iter().zip(line.split(',')).map(scaled).collect()
-    };
-    let rows = table.lines().skip(1).map(|line| cells(line).join(",") + "\n");
-    std::iter::once(names.join(",") + "\n").chain(rows).collect()
+    let scaled = |cell: &str| (factor * cell.parse::<f64>().unwrap()).to_string();
+    with_cells(table, |_, column, cell| names[column].starts_with(columns).then(|| scaled(cell)))
 }
 
 /// `aurt check` writes what it would change beside the experiment, whose comments stay.
@@ -139,7 +126,7 @@ fn an_experiment_is_corrected_beside_itself() {
     let folder = Folder::new().with_whole_demo();
     let wrong = folder.read("experiment.toml").replace("[0.0, 0.0, -9.81]", "[0.0, 9.81, 0.0]");
     folder.write("experiment.toml", &wrong);
-    let run = folder.aurt(["check", "experiment.toml", "--fixed", "corrected.toml"]);
+    let run = folder.run("check experiment.toml --fixed corrected.toml");
     assert_eq!(run.status(), 1, "{}{}", run.stdout(), run.stderr());
     assert_eq!(folder.read("corrected.toml"), wrong.replace("[0.0, 9.81, 0.0]", "[0.0, 0.0, -9.81]"));
     assert_eq!(folder.read("experiment.toml"), wrong);
@@ -153,7 +140,7 @@ fn one_recording_is_split() {
     assert!(said.contains("its beginning calibrates, its end validates"), "{said}");
     let text = folder.read("experiment.toml");
     assert_eq!(text.matches("window_s = [").count(), 2, "{text}");
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
 }
 
 #[test]
@@ -193,11 +180,11 @@ fn a_tree_without_a_tip_is_taken_whole() {
         format!("{t},{right},{left},{right_nm},{left_nm}\n")
     };
     folder.write("log.csv", &(names.to_owned() + &(0..3000).map(row).collect::<String>()));
-    let said = folder.aurt(["init", "log.csv", "--robot", "two.urdf"]).succeeded().stdout();
+    let said = folder.run("init log.csv --robot two.urdf").succeeded().stdout();
     assert!(said.contains("base first: left_joint, right_joint"), "{said}");
     let text = folder.read("experiment.toml");
     assert!(text.contains("urdf = \"two.urdf\"\ngravity"), "{text}");
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
     let chain = ["init", "log.csv", "--robot", "two.urdf", "--tip", "right", "--out", "right.toml"];
     folder.aurt(chain).succeeded();
     assert!(folder.read("right.toml").contains("tip = \"right\""));

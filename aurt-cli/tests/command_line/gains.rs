@@ -1,6 +1,6 @@
 //! `aurt gains`: torque constants of the demo's drives, from its unloaded recordings and those with a load of 2 kg.
 
-use crate::support::{Folder, numbers, real_recordings};
+use crate::support::{Folder, numbers, real_recordings, without_constants};
 
 const CONSTANTS: [f64; 6] = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763];
 const TERM: &str = "[[arm_terms]]\nmodel = \"payload\"\nlink = 5\nrecordings = [\"later_motion.csv\", \"later_other_motion.csv\"]\n";
@@ -16,8 +16,7 @@ fn loaded(term: &str, stated: bool) -> Folder {
         )
         .replace("\nvalidation = [\"other_motion.csv\", \"point_to_point.csv\"]", "")
         .replace("[recordings]", &format!("{term}\n[recordings]"));
-    let kept = |l: &&str| stated || !l.starts_with("torque_constants");
-    folder.write("loaded.toml", &text.lines().filter(kept).map(|l| format!("{l}\n")).collect::<String>());
+    folder.write("loaded.toml", &if stated { text } else { without_constants(&text) });
     folder
 }
 
@@ -25,7 +24,7 @@ fn loaded(term: &str, stated: bool) -> Folder {
 fn constants_come_from_a_known_load() {
     for stated in [false, true] {
         let folder = loaded(TERM, stated);
-        let run = folder.aurt(["gains", "loaded.toml", "--mass-kg", "2", "--out", "gains"]).succeeded();
+        let run = folder.run("gains loaded.toml --mass-kg 2 --out gains").succeeded();
         assert!(run.stdout().contains("torque_constants_nm_per_a = ["), "{}", run.stdout());
         let found = folder.json("gains/gains.json");
         for (constant, truth) in numbers(&found["torque_constants_nm_per_a"]).into_iter().zip(CONSTANTS) {
@@ -39,15 +38,12 @@ fn constants_come_from_a_known_load() {
         }
         // What is written into the experiment calibrates in Nm.
         let constants = found["torque_constants_nm_per_a"].to_string();
-        let text = folder.read("loaded.toml");
-        let kept = text.lines().filter(|l| !l.starts_with("torque_constants"));
-        let with: String = kept.map(|l| format!("{l}\n")).collect();
-        let with = with.replace(
+        let with = without_constants(&folder.read("loaded.toml")).replace(
             "[joint_dynamics]",
             &format!("torque_constants_nm_per_a = {constants}\n[joint_dynamics]"),
         );
         folder.write("with.toml", &with);
-        folder.aurt(["run", "with.toml", "--out", "results"]).succeeded();
+        folder.run("run with.toml --out results").succeeded();
         let mass = folder.read("results/calibrated_parameters.csv");
         let mass = mass.lines().find(|l| l.starts_with("payload.m_5")).unwrap().split(',').nth(1).unwrap();
         assert!((mass.parse::<f64>().unwrap() - 2.0).abs() < 0.05, "{mass}");
@@ -57,7 +53,7 @@ fn constants_come_from_a_known_load() {
 #[test]
 fn without_a_mass_there_are_ratios_and_expectations_come_first() {
     let folder = loaded(TERM, false);
-    let ratios = folder.aurt(["gains", "loaded.toml", "--json"]).succeeded().stdout();
+    let ratios = folder.run("gains loaded.toml --json").succeeded().stdout();
     let found: serde_json::Value = serde_json::from_str(&ratios).unwrap();
     assert!(found["torque_constants_nm_per_a"].is_null(), "{found}");
     let reference = found["gains"]["reference"].as_u64().unwrap() as usize;
@@ -66,9 +62,9 @@ fn without_a_mass_there_are_ratios_and_expectations_come_first() {
         let expected = CONSTANTS[j] / CONSTANTS[reference];
         assert!((gain["ratio"].as_f64().unwrap() / expected - 1.0).abs() < 0.1, "{gain}");
     }
-    let said = folder.aurt(["gains", "loaded.toml"]).succeeded().stdout();
+    let said = folder.run("gains loaded.toml").succeeded().stdout();
     assert!(said.contains("ratios only") && said.contains("not determined"), "{said}");
-    let said = folder.aurt(["gains", "loaded.toml", "--mass-kg", "2", "--expect"]).succeeded().stdout();
+    let said = folder.run("gains loaded.toml --mass-kg 2 --expect").succeeded().stdout();
     assert!(said.contains("what these recordings determine") && said.contains("± "), "{said}");
     assert!(!said.contains("torque_constants_nm_per_a"), "{said}");
 }
@@ -99,7 +95,7 @@ fn the_gains_of_a_real_robot_are_those_of_its_controller() {
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/ur10e_gains.toml");
     let text = std::fs::read_to_string(example).unwrap().replace("${AURT_DATA}", data.to_str().unwrap());
     folder.write("ur10e.toml", &text);
-    folder.aurt(["gains", "ur10e.toml", "--mass-kg", "2.805", "--out", "gains"]).succeeded();
+    folder.run("gains ur10e.toml --mass-kg 2.805 --out gains").succeeded();
     let found = folder.json("gains/gains.json");
     let constants = numbers(&found["torque_constants_nm_per_a"]);
     for (j, (constant, stated)) in constants.iter().zip(CONSTANTS).enumerate() {

@@ -4,13 +4,11 @@ use aurt_traits::Dispatch;
 
 use crate::support::{DEMO, Folder};
 
-const FILES: [&str; 5] =
-    ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv", "experiment.toml"];
 const RUN: [&str; 5] = ["run", "experiment.toml", "--out", "out", "--quiet"];
 
 /// Names and values of the parameters that a run found, and the text of all its results.
 fn results(level: &str, threads: &str) -> (Vec<(String, f64)>, Vec<String>) {
-    let folder = Folder::new().with_demo(&FILES);
+    let folder = Folder::new().with_whole_demo();
     folder.aurt_with([("AURT_SIMD", level), ("RAYON_NUM_THREADS", threads)], RUN).succeeded();
     let csv = folder.read("out/calibrated_parameters.csv");
     let values = csv.lines().skip(1).map(|line| {

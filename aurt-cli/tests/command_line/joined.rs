@@ -1,6 +1,6 @@
 //! Recordings that lie in several files.
 
-use crate::support::{Folder, real_recordings};
+use crate::support::{Folder, column, real_recordings, with_cells};
 
 /// The columns of a table of numbers whose names have one of these beginnings.
 fn columns(text: &str, beginnings: &[&str]) -> String {
@@ -68,21 +68,15 @@ fn files_that_do_not_belong_together_are_refused_with_the_cure() {
     let folder = Folder::new().with_whole_demo();
     let toml = folder.read("experiment.toml");
     let entry = split(&folder, "exciting_motion.csv");
-    let currents = folder.read("i_exciting_motion.csv");
     let refused = |entry: &str, words: &[&str]| {
         folder.write("joined.toml", &toml.replace("\"exciting_motion.csv\"", entry));
-        folder.aurt(["run", "joined.toml", "--out", "out"]).refused(words);
+        folder.run("run joined.toml --out out").refused(words);
         assert!(!folder.path("out").exists());
     };
-    let shifted: String = currents
-        .lines()
-        .enumerate()
-        .map(|(k, line)| match line.split_once(',') {
-            Some((stamp, rest)) if k > 0 => format!("{:.4},{rest}\n", stamp.parse::<f64>().unwrap() + 5e3),
-            _ => format!("{line}\n"),
-        })
-        .collect();
-    folder.write("i_exciting_motion.csv", &shifted);
+    let later = |stamp: &str| format!("{:.4}", stamp.parse::<f64>().unwrap() + 5e3);
+    folder.edit("i_exciting_motion.csv", |text| {
+        with_cells(text, |_, column, cell| (column == 0).then(|| later(cell)))
+    });
     refused(&entry, &["do not overlap", "clock_offset_s = -5000"]);
     refused(
         "{ file = \"exciting_motion.csv\", joined = [\"other_motion.csv\"] }",
@@ -104,26 +98,17 @@ fn files_that_do_not_belong_together_are_refused_with_the_cure() {
 fn units_of_a_recording_in_two_files_are_those_of_its_quantities() {
     let folder = Folder::new().with_whole_demo();
     let toml = folder.read("experiment.toml");
-    let degrees = |line: &str| {
-        let cells = line.split(',').enumerate().map(|(k, cell)| match cell.parse::<f64>() {
-            Ok(value) if k > 0 => value.to_degrees().to_string(),
-            _ => cell.to_owned(),
-        });
-        cells.collect::<Vec<_>>().join(",") + "\n"
-    };
     let entry = split(&folder, "exciting_motion.csv");
-    let positions: String = folder.read("q_exciting_motion.csv").lines().map(degrees).collect();
-    folder.write("q_exciting_motion.csv", &positions);
+    let degrees = |cell: &str| cell.parse::<f64>().unwrap().to_degrees().to_string();
+    folder.edit("q_exciting_motion.csv", |text| {
+        with_cells(text, |_, column, cell| (column > 0).then(|| degrees(cell)))
+    });
     let entry = entry.replace(" }", ", angle = \"deg\" }");
     folder.write("degrees.toml", &toml.replace("\"exciting_motion.csv\"", &entry));
     for (experiment, out) in [("experiment.toml", "whole"), ("degrees.toml", "degrees")] {
-        folder.aurt(["run", experiment, "--out", out]).succeeded();
+        folder.run(format!("run {experiment} --out {out}")).succeeded();
     }
-    let values = |out: &str| -> Vec<f64> {
-        let table = folder.read(&format!("{out}/calibrated_parameters.csv"));
-        let value = |line: &str| line.split(',').nth(1).unwrap().parse::<f64>().unwrap();
-        table.lines().skip(1).map(value).collect()
-    };
+    let values = |out: &str| column(&folder.read(&format!("{out}/calibrated_parameters.csv")), "value");
     for (one, two) in values("whole").iter().zip(values("degrees")) {
         assert!((one - two).abs() < 1e-4 * one.abs().max(1.0), "{one} {two}");
     }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{DEMO, Folder, numbers, with_cell, with_line};
+use crate::support::{DEMO, Folder, column, numbers, with_cell, with_line};
 
 const CALIBRATE: &str = "calibrate --model rd.json --data exciting_motion.csv other_motion.csv --f-dyn-hz 5 \
                          --torque-constants 11.976 11.976 9.839 10.763 10.763 10.763 --out-params p.csv \
@@ -10,27 +10,22 @@ const CALIBRATE: &str = "calibrate --model rd.json --data exciting_motion.csv ot
 
 /// A folder with the demo's recordings and a robot with a hysteresis model.
 fn folder(hysteresis: &str) -> Folder {
-    let files =
-        ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv", "experiment.toml"];
-    let folder = Folder::new().with_demo(&files);
+    let folder = Folder::new().with_whole_demo();
     let experiment = folder.read("experiment.toml").replace("\"sign\"", &format!("\"{hysteresis}\""));
     folder.write("experiment.toml", &experiment);
-    folder.aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json".split(' ')).succeeded();
-    folder
-        .aurt("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json".split(' '))
-        .succeeded();
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json").succeeded();
+    folder.run("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json").succeeded();
     folder
 }
 
 fn report(folder: &Folder, more: &[&str]) -> Value {
-    let run = folder.aurt(CALIBRATE.split_whitespace().chain(more.iter().copied())).succeeded();
-    serde_json::from_str(&run.stdout()).unwrap()
+    folder.aurt(CALIBRATE.split_whitespace().chain(more.iter().copied())).succeeded().json()
 }
 
 /// Value and standard deviation of every parameter.
 fn parameters(folder: &Folder) -> Vec<[f64; 2]> {
-    let cell = |line: &str, k: usize| line.split(',').nth(k).unwrap().parse().unwrap();
-    folder.read("p.csv").lines().skip(1).map(|line| [cell(line, 1), cell(line, 3)]).collect()
+    let [values, deviations] = ["value", "std_dev"].map(|name| column(&folder.read("p.csv"), name));
+    values.into_iter().zip(deviations).map(|(value, std_dev)| [value, std_dev]).collect()
 }
 
 fn assert_near(a: &[f64], b: &[f64]) {
@@ -73,7 +68,7 @@ fn stretches_give_the_model_and_the_errors_of_whole_recordings() {
         }
     }
     // The model of the stretches is one that the other commands take.
-    folder.aurt("predict --model c.json --data other_motion.csv --out predicted.csv".split(' ')).succeeded();
+    folder.run("predict --model c.json --data other_motion.csv --out predicted.csv").succeeded();
 }
 
 #[test]
@@ -117,10 +112,7 @@ fn a_whole_experiment_runs_in_stretches() {
     };
     let whole = run(&[], "whole");
     let stretches = run(&["--stream-above", "1kB"], "stretches");
-    let values = |out: &str| -> Vec<f64> {
-        let text = folder.read(&format!("{out}/calibrated_parameters.csv"));
-        text.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect()
-    };
+    let values = |out: &str| column(&folder.read(&format!("{out}/calibrated_parameters.csv")), "value");
     let (ours, expected) = (values("stretches"), values("whole"));
     assert_eq!(ours.len(), expected.len());
     for (a, b) in ours.iter().zip(&expected) {
@@ -144,7 +136,7 @@ fn a_whole_experiment_runs_in_stretches() {
         text.replace("\"other_motion.csv\"", "{ file = \"other_motion.csv\", window_s = [0.0, 5.0] }");
     assert_ne!(text, windowed);
     folder.write("windowed.toml", &windowed);
-    folder.aurt(["run", "windowed.toml", "--out", "w", "--stream-above", "0"]).refused(&[
+    folder.run("run windowed.toml --out w --stream-above 0").refused(&[
         "other_motion.csv",
         "a part of the recording",
         "--stream-above",

@@ -54,7 +54,7 @@ fn every_command_answers_in_json() {
         "new-plugin --json my-model",
     ];
     for line in lines {
-        let run = folder.aurt(line.split_whitespace()).succeeded();
+        let run = folder.run(line).succeeded();
         let document: Value =
             serde_json::from_str(&run.stdout()).unwrap_or_else(|e| panic!("{line}: {e}\n{}", run.stdout()));
         let name = line.split(' ').find(|word| !word.starts_with('-')).unwrap();
@@ -71,9 +71,9 @@ fn every_command_answers_in_json() {
 #[test]
 fn a_failure_is_json_too() {
     let folder = Folder::new();
-    let run = folder.aurt("run nowhere.toml --out out --json".split(' '));
+    let run = folder.run("run nowhere.toml --out out --json");
     assert_eq!(run.status(), 2);
-    let document: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let document = run.json();
     let problem = &document["error"]["problems"][0];
     assert_eq!(problem["file"], "nowhere.toml");
     assert!(problem["message"].as_str().unwrap().contains("there is no such file"), "{problem}");
@@ -83,18 +83,18 @@ fn a_failure_is_json_too() {
 #[test]
 fn quiet_is_silent_but_for_errors() {
     let folder = Folder::new();
-    let run = folder.aurt("demo --quiet --out demo".split(' ')).succeeded();
+    let run = folder.run("demo --quiet --out demo").succeeded();
     assert_eq!(run.stdout() + &run.stderr(), "");
-    folder.aurt("run --quiet nowhere.toml --out out".split(' ')).refused(&["nowhere.toml"]);
+    folder.run("run --quiet nowhere.toml --out out").refused(&["nowhere.toml"]);
 }
 
 #[test]
 fn reports_fit_a_terminal_of_80_columns_and_are_plain_where_nobody_looks() {
     let folder = Folder::new();
-    let mut reports = folder.aurt(["demo"]).succeeded().stdout();
-    reports += &folder.aurt(["models"]).succeeded().stdout();
-    reports += &folder.aurt(["explain", "gms"]).succeeded().stdout();
-    reports += &folder.aurt(["explain"]).succeeded().stdout();
+    let mut reports = folder.run("demo").succeeded().stdout();
+    reports += &folder.run("models").succeeded().stdout();
+    reports += &folder.run("explain gms").succeeded().stdout();
+    reports += &folder.run("explain").succeeded().stdout();
     // Examples are there to be copied: they stay on one line.
     for line in reports.lines().filter(|l| !l.contains("= { model")) {
         assert!(line.chars().count() <= 80, "{line}");

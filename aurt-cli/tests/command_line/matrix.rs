@@ -13,7 +13,7 @@ use aurt::{
 use serde_json::Value;
 
 use self::entries::{ENTRIES, Entry};
-use crate::support::{Folder, Run};
+use crate::support::{Folder, Run, one_line};
 
 /// An arm of two joints with a head on its upper link, which is no part of the chain.
 const URDF: &str = r#"<robot name="arm"><link name="base"/>
@@ -55,7 +55,7 @@ fn every_command_that_takes_a_recording_is_in_the_matrix() {
         names.filter(|name| !name.is_empty() && *name != "help").map(str::to_owned).collect()
     };
     let mut takes = BTreeSet::new();
-    for command in listed(&folder.aurt(["--help"]).succeeded().stdout(), "Start here:") {
+    for command in listed(&folder.run("--help").succeeded().stdout(), "Start here:") {
         let own = help(&command);
         let below = listed(&own, "Commands:");
         let commands: Vec<String> = match below.is_empty() {
@@ -225,7 +225,7 @@ fn experiment(robot: &str, written: Written) -> String {
 
 fn run(folder: &Folder, line: &str) -> Run {
     let (line, out) = line.split_once(" >").map_or((line, None), |(line, out)| (line, Some(out)));
-    let run = folder.aurt(line.split_whitespace());
+    let run = folder.run(line);
     if let Some(out) = out.filter(|_| run.status() < 2) {
         folder.write(out, &run.stdout());
     }
@@ -316,11 +316,6 @@ fn flatten(key: &str, value: &Value, cells: &mut BTreeMap<String, Value>) {
     }
 }
 
-/// A text without its line breaks.
-fn words(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 /// The cells that differ by more than a tolerance.
 fn apart(a: &BTreeMap<String, Value>, b: &BTreeMap<String, Value>, most: f64) -> Vec<String> {
     let same = |a: &Value, b: &Value| match (a.as_f64(), b.as_f64()) {
@@ -370,14 +365,14 @@ fn what_is_written_in_another_way_gives_the_same_or_is_refused() {
                     _ => apart(plain, &found, 1e-6),
                 };
                 // Sweeps go on where points fail; joints that contain foreign motion are not followed.
-                let is_told = line.starts_with("sweep") && words(&said).contains("one model has one unit")
+                let is_told = line.starts_with("sweep") && one_line(&said).contains("one model has one unit")
                     || line.starts_with("track") && written == Written::Branch;
                 if let Some(one) = different.first().filter(|_| !is_told) {
                     wrong.push(format!("{written:?} {line}: {} cells, {one}", different.len()));
                 }
                 let is_told = ["joints beside the chain move (head by", "\"joint\": \"head\""]
                     .iter()
-                    .any(|w| words(&said).contains(w));
+                    .any(|w| one_line(&said).contains(w));
                 if written == Written::Branch && entry.knows_head && !is_told {
                     wrong.push(format!("{written:?} {line}: says nothing of the head\n{said}"));
                 }

@@ -71,16 +71,12 @@ fn peak_memory(folder: &Folder, line: &str) -> u64 {
 fn experiment(rows: usize, decimals: Option<usize>) -> (Folder, u64) {
     let folder = Folder::new().with_demo(&["mdh.csv", "other_motion.csv", "experiment.toml"]);
     let numbers = long_recording(&folder, rows, decimals);
-    let text = folder.read("experiment.toml");
-    let changed = text
-        .replace("calibration = [\"exciting_motion.csv\"]", "calibration = [\"long.csv\"]")
-        .replace(", \"point_to_point.csv\"", "");
-    assert_ne!(text, changed);
-    folder.write("experiment.toml", &changed);
-    folder.aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json".split(' ')).succeeded();
-    folder
-        .aurt("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json".split(' '))
-        .succeeded();
+    folder.edit("experiment.toml", |text| {
+        text.replace("calibration = [\"exciting_motion.csv\"]", "calibration = [\"long.csv\"]")
+            .replace(", \"point_to_point.csv\"", "")
+    });
+    folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json").succeeded();
+    folder.run("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json").succeeded();
     (folder, numbers)
 }
 

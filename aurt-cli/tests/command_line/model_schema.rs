@@ -114,11 +114,11 @@ fn saved_models_are_what_the_schema_describes_and_damaged_ones_are_not() {
     for (estimator, tanh) in estimators {
         let with = text.replace("\"sign\"", if tanh { "\"tanh\"" } else { "\"sign\"" });
         folder.write("again.toml", &format!("{with}\n[calibration]\nestimator = \"{estimator}\"\n"));
-        folder.aurt(["run", "again.toml", "--out", "results"]).succeeded();
+        folder.run("run again.toml --out results").succeeded();
         let model = folder.json("results/rd_calibrated.json");
         assert_eq!(judged(&model), Vec::<String>::new(), "{estimator}");
     }
-    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    folder.run("run experiment.toml --out results").succeeded();
     let model = folder.json("results/rd_calibrated.json");
     let damages: [(&str, Value, &str); 9] = [
         ("/schema", json!(2), "/schema: is not 1"),
@@ -148,7 +148,7 @@ fn saved_models_are_what_the_schema_describes_and_damaged_ones_are_not() {
 #[test]
 fn models_name_the_files_that_they_come_from() {
     let folder = Folder::new().with_whole_demo();
-    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    folder.run("run experiment.toml --out results").succeeded();
     let model = folder.json("results/rd_calibrated.json");
     let hash = |name: &str| blake3::hash(folder.read(name).as_bytes()).to_hex().to_string();
     let origins = &model["provenance"];
@@ -159,7 +159,7 @@ fn models_name_the_files_that_they_come_from() {
     assert!(validation.iter().any(|v| v["blake3"] == hash("other_motion.csv")), "{origins}");
 
     // Exports name them as well; a model of an earlier program, which has none, is read.
-    folder.aurt(["export", "c", "results/rd_calibrated.json", "--out", "exported"]).succeeded();
+    folder.run("export c results/rd_calibrated.json --out exported").succeeded();
     let header = folder.read("exported/robot.h");
     assert!(
         header.contains(&format!("exciting_motion.csv (BLAKE3 {})", hash("exciting_motion.csv"))),

@@ -18,7 +18,7 @@ fn read(folder: &Folder, name: &str) -> Recording {
 fn written() -> (Folder, aurt_recording::PlannedMotion) {
     let folder = Folder::new();
     for name in ["motion.csv", "motion.yaml", "motion.script", "motion.mcap", "motion.lerobot"] {
-        folder.aurt(format!("{PLANNED} --out {name}").split(' ')).succeeded();
+        folder.run(format!("{PLANNED} --out {name}")).succeeded();
     }
     let motion = Motion::Sweeps { duration_s: 12.0, share: 0.8 };
     let robot = aurt::simulation::robots::ur10e();
@@ -34,21 +34,21 @@ fn a_bag_and_a_data_set_are_followed_and_not_taken_for_a_recording() {
         let scenario =
             format!("robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"{name}\"\n");
         folder.write("scenario.toml", &scenario);
-        folder.aurt("simulate --scenario scenario.toml --out recorded.csv".split(' ')).succeeded();
+        folder.run("simulate --scenario scenario.toml --out recorded.csv").succeeded();
     }
     // A bag with a plan has nothing measured.
-    folder.aurt("init --robot ur10e motion.mcap --out experiment.toml".split(' ')).refused(&["JointState"]);
+    folder.run("init --robot ur10e motion.mcap --out experiment.toml").refused(&["JointState"]);
 }
 
 #[test]
 fn a_data_set_is_replaced_but_no_other_one() {
     let folder = Folder::new();
     let line = format!("{PLANNED} --out motion.lerobot");
-    folder.aurt(line.split(' ')).succeeded();
-    folder.aurt(line.split(' ')).succeeded();
-    folder.aurt(line.replace("50", "12.5").split(' ')).refused(&["--rate-hz", "12.5", "whole"]);
+    folder.run(&line).succeeded();
+    folder.run(&line).succeeded();
+    folder.run(line.replace("50", "12.5")).refused(&["--rate-hz", "12.5", "whole"]);
     folder.write("motion.lerobot/data/chunk-000/file-001.parquet", "another episode");
-    folder.aurt(line.split(' ')).refused(&["--out", "data/chunk-000/file-001.parquet", "new folder"]);
+    folder.run(line).refused(&["--out", "data/chunk-000/file-001.parquet", "new folder"]);
 }
 
 #[test]
@@ -56,10 +56,10 @@ fn a_motion_has_a_known_ending_or_none() {
     let folder = Folder::new();
     for name in ["motion.cvs", "motion.CSV", "motion.json"] {
         let words = ["--out", name, ".csv, .yaml, .script, .mcap or .lerobot"];
-        folder.aurt(format!("{PLANNED} --out {name}").split(' ')).refused(&words);
+        folder.run(format!("{PLANNED} --out {name}")).refused(&words);
     }
     assert!(folder.names().is_empty());
-    folder.aurt(format!("{PLANNED} --out motion").split(' ')).succeeded();
+    folder.run(format!("{PLANNED} --out motion")).succeeded();
     assert!(folder.read("motion").starts_with("time,q_0"));
 }
 

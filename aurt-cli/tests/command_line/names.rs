@@ -1,12 +1,10 @@
 //! Joints by name: whatever order a bag has, every command that takes a recording does the same with it.
 
 use aurt_recording::{JointTopic, ReadOptions, Recording, RobotJoints, mcap, read_recording};
-use serde_json::Value;
 
-use crate::support::{Folder, numbers};
+use crate::support::{Folder, numbers, rows};
 
 const IN_ORDER: [BagJoint; 2] = [("shoulder", Some(0)), ("elbow", Some(1))];
-const MODEL: [&str; 2] = ["--model", "results/rd_calibrated.json"];
 
 /// A joint of a bag: its name, and which of the arm's two joints it is; another one rests.
 pub type BagJoint = (&'static str, Option<usize>);
@@ -38,7 +36,7 @@ pub fn recorded(joints: &[BagJoint]) -> Folder {
              top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 125\n"
         );
         folder.write("scenario.toml", &scenario);
-        folder.aurt(["simulate", "--scenario", "scenario.toml", "--out", "log.csv", "--quiet"]).succeeded();
+        folder.run("simulate --scenario scenario.toml --out log.csv --quiet").succeeded();
         let recording = read_recording(&folder.path("log.csv"), &ReadOptions::default()).unwrap();
         write_bag(&folder, &format!("{name}.mcap"), &recording, joints);
     }
@@ -59,81 +57,32 @@ pub fn experiment(robot: &str, recordings: &str) -> String {
 
 /// Largest difference of two tables with headers.
 fn apart(a: &str, b: &str) -> f64 {
-    let cells = |text: &str| -> Vec<f64> {
-        text.lines()
-            .skip(1)
-            .flat_map(|l| l.split(',').map(|c| c.parse().unwrap()).collect::<Vec<_>>())
-            .collect()
-    };
-    let (a, b) = (cells(a), cells(b));
+    let [a, b] = [a, b].map(|table| rows(table).concat());
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// What every command that takes a recording makes of it.
 fn results(folder: &Folder) -> Vec<(&'static str, String)> {
-    let unit = ["--unit", "A"];
-    let run = |arguments: &[&str]| {
-        let run = folder.aurt(arguments.iter().chain(&["--quiet"]));
-        assert!(run.status() < 2, "{arguments:?}: {}", run.stderr());
-    };
-    let with = |first: &[&'static str], more: &[&'static str]| [first, more].concat();
-    let only = |file: &str, key: &str| folder.json(file)[key].to_string();
-    run(&["run", "experiment.toml", "--out", "results"]);
-    run(&[
-        "compile-rbd",
-        "--mdh",
-        "mdh.csv",
-        "--joint-names",
-        "shoulder,elbow",
-        "--gravity",
-        "0",
-        "-9.81",
-        "0",
-        "--out",
-        "rbd.json",
-    ]);
-    run(&["compile-rd", "--model-rbd", "rbd.json", "--experiment", "experiment.toml", "--out", "rd.json"]);
-    run(&with(
-        &["calibrate", "--model", "rd.json", "--data", "monday.mcap"],
-        &[
-            "--topic",
-            "/joint_states",
-            "--out-params",
-            "p.csv",
-            "--out-calibrated-model",
-            "c.json",
-            "--unit",
-            "A",
-        ],
-    ));
-    run(&with(
-        &["predict", "--data", "tuesday.mcap", "--out", "predicted.csv"],
-        &[&MODEL[..], &unit].concat(),
-    ));
-    run(&with(
-        &["simulate", "--motion", "tuesday.mcap", "--out", "moved.csv"],
-        &[&MODEL[..], &unit].concat(),
-    ));
-    run(&with(&["track", "experiment.toml", "--window-s", "2", "wednesday.mcap", "--out", "track"], &MODEL));
-    run(&["diagnose", "experiment.toml", "--out", "diagnosis"]);
-    run(&["gains", "experiment.toml", "--expect", "--out", "gains"]);
-    run(&with(
-        &[
-            "init",
-            "monday.mcap",
-            "--robot",
-            "mdh.csv",
-            "--joint-names",
-            "shoulder,elbow",
-            "--out",
-            "first.toml",
-        ],
-        &["--unit", "A", "--gravity", "0", "-9.81", "0"],
-    ));
+    for line in [
+        "run experiment.toml --out results",
+        "compile-rbd --mdh mdh.csv --joint-names shoulder,elbow --gravity 0 -9.81 0 --out rbd.json",
+        "compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json",
+        "calibrate --model rd.json --data monday.mcap --topic /joint_states --unit A --out-params p.csv \
+         --out-calibrated-model c.json",
+        "predict --model MODEL --data tuesday.mcap --unit A --out predicted.csv",
+        "simulate --model MODEL --motion tuesday.mcap --unit A --out moved.csv",
+        "track experiment.toml --model MODEL --window-s 2 wednesday.mcap --out track",
+        "diagnose experiment.toml --out diagnosis",
+        "gains experiment.toml --expect --out gains",
+        "init monday.mcap --robot mdh.csv --joint-names shoulder,elbow --unit A --gravity 0 -9.81 0 --out first.toml",
+    ] {
+        let run = folder.run(line.replace("MODEL", "results/rd_calibrated.json") + " --quiet");
+        assert!(run.status() < 2, "{line}: {}", run.stderr());
+    }
     // That effort is taken to be in A is a remark, no finding.
-    let check = folder.aurt(["check", "experiment.toml", "--json"]).succeeded().stdout();
-    let check: Value = serde_json::from_str(&check).unwrap();
+    let check = folder.run("check experiment.toml --json").succeeded().json();
+    let only = |file: &str, key: &str| folder.json(file)[key].to_string();
     vec![
         ("run", folder.read("results/predicted_tuesday.csv")),
         ("calibrate", folder.read("p.csv")),
@@ -204,13 +153,13 @@ fn a_first_experiment_matches_the_joints_of_any_robot_by_name() {
 #[test]
 fn a_model_file_with_the_former_name_of_a_model_predicts_the_same() {
     let folder = recorded(&IN_ORDER);
-    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
+    folder.run("run experiment.toml --out results --quiet").succeeded();
     let model = folder.read("results/rd_calibrated.json");
     let old = model.replace("{ \"model\": \"constant\" }", "{ \"model\": \"none\" }");
     assert_ne!(old, model);
     folder.write("old.json", &old);
-    let predict = ["predict", "--data", "tuesday.mcap", "--unit", "A", "--out", "p.csv", "--model"];
-    let said = folder.aurt(predict.iter().chain(&["old.json"])).succeeded().stderr();
+    let predict = "predict --data tuesday.mcap --unit A --out p.csv --model old.json";
+    let said = folder.run(predict).succeeded().stderr();
     assert_eq!(said, "note: the coulomb model `none` is called `constant` now; both names mean the same\n");
     assert!(apart(&folder.read("p.csv"), &folder.read("results/predicted_tuesday.csv")) < 1e-9);
 }
@@ -223,9 +172,10 @@ fn predictions_of_a_saved_model_are_those_of_the_run() {
     for name in ["experiment.toml", "ur10e.urdf", "monday.mcap", "tuesday.mcap"] {
         std::fs::copy(example.join(name), folder.path(name)).unwrap();
     }
-    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
-    let predict = ["predict", "--data", "tuesday.mcap", "--unit", "A", "--out", "predicted.csv"];
-    folder.aurt(predict.iter().chain(&MODEL)).succeeded();
+    folder.run("run experiment.toml --out results --quiet").succeeded();
+    let predict =
+        "predict --model results/rd_calibrated.json --data tuesday.mcap --unit A --out predicted.csv";
+    folder.run(predict).succeeded();
     let run = folder.read("results/predicted_tuesday.csv");
     let difference = apart(&run, &folder.read("predicted.csv"));
     assert!(difference < 1e-9, "{difference}");
@@ -235,7 +185,7 @@ fn predictions_of_a_saved_model_are_those_of_the_run() {
     let names = body.as_object_mut().unwrap().remove("joint_names").unwrap();
     assert_eq!(names[0], "shoulder_pan_joint");
     folder.write("results/rd_calibrated.json", &model.to_string());
-    folder.aurt(predict.iter().chain(&MODEL)).succeeded();
+    folder.run(predict).succeeded();
     assert!(apart(&run, &folder.read("predicted.csv")) > 80.0);
     let metrics = folder.json("results/metrics.json");
     assert_eq!(metrics["joint_names"][2], "elbow_joint");
@@ -247,9 +197,10 @@ fn predictions_of_a_saved_model_are_those_of_the_run() {
 #[test]
 fn tables_of_tracks_and_sweeps_call_joints_by_name() {
     let folder = recorded(&IN_ORDER);
-    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
-    let track = "track experiment.toml --window-s 2 wednesday.mcap --out track";
-    let run = folder.aurt(track.split(' ').chain(MODEL));
+    folder.run("run experiment.toml --out results").succeeded();
+    let model = "results/rd_calibrated.json";
+    let run =
+        folder.run(format!("track experiment.toml --model {model} --window-s 2 wednesday.mcap --out track"));
     assert!(run.status() < 2, "{}", run.stderr());
     let page = folder.read("track/report.html");
     for shown in [run.stdout().as_str(), page.split("<script").next().unwrap()] {
@@ -258,7 +209,7 @@ fn tables_of_tracks_and_sweeps_call_joints_by_name() {
     let sweep = "[sweep.grid]\n'joint_dynamics.coulomb.model' = ['none', 'constant']\n";
     let text = experiment("joint_names = ['shoulder', 'elbow']", "") + sweep;
     folder.write("sweep.toml", &text);
-    let shown = folder.aurt("sweep run sweep.toml --out sweep".split(' ')).succeeded().stdout();
+    let shown = folder.run("sweep run sweep.toml --out sweep").succeeded().stdout();
     assert!(shown.contains("elbow") && !shown.contains("joint 1"), "{shown}");
     let page = folder.read("sweep/report.html");
     assert!(!page.split("<script").next().unwrap().contains("joint 1"));
@@ -277,5 +228,5 @@ fn names_that_cannot_match_are_refused_with_those_of_both_sides() {
     assert_eq!(names, &serde_json::json!(["a1", "a2"]));
     assert_eq!(numbers(&folder.json("results/metrics.json")["sigma"]).len(), 2);
     folder.write("experiment.toml", &experiment("", "joint_names = ['a1', 'a1']"));
-    folder.aurt(["run", "experiment.toml", "--out", "again"]).refused(&["names two joints"]);
+    folder.run("run experiment.toml --out again").refused(&["names two joints"]);
 }

@@ -39,8 +39,8 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
     let folder = lacking_rotors();
     let line =
         "next lacking.toml --until inertia_kg_m2<0.001 --duration-s 16 --tries 16 --json --out motion.csv";
-    let run = folder.aurt(line.split(' ')).succeeded();
-    let plan: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run(line).succeeded();
+    let plan = run.json();
     let motion = &plan["motion"];
     assert!(motion["duration_s"].as_f64().unwrap() <= 16.0 + 1e-9, "{motion}");
     let of_rotors =
@@ -74,11 +74,11 @@ fn a_plan_narrows_what_is_wanted_where_the_arm_has_been() {
     // The arm meets a box that it stands in, whatever it does.
     let everywhere =
         format!("{line} --keep-out -2,-2,-2,2,2,2").replace("--json --out motion.csv", "--out kept.csv");
-    folder.aurt(everywhere.split(' ')).refused(&["--keep-out", "smaller boxes"]);
+    folder.run(everywhere).refused(&["--keep-out", "smaller boxes"]);
     // The plan is a motion that a scenario follows.
     let scenario = "robot = \"ur10e\"\nseed = 1\n[motion]\nkind = \"recorded\"\nfile = \"motion.csv\"\n";
     folder.write("scenario.toml", scenario);
-    folder.aurt("simulate --scenario scenario.toml --out recorded.csv".split(' ')).succeeded();
+    folder.run("simulate --scenario scenario.toml --out recorded.csv").succeeded();
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_plan_settles_no_less_than_a_multi_sine() {
         let line = format!(
             "next lacking.toml --until inertia_kg_m2<0.001 --limits limits.csv --duration-s 6 --tries 1 --seed {seed} --json --out m{seed}.csv"
         );
-        let plan: Value = serde_json::from_str(&folder.aurt(line.split(' ')).succeeded().stdout()).unwrap();
+        let plan = folder.run(line).succeeded().json();
         let open = plan["open"].as_array().unwrap();
         // Absorbed effects count as one doubt.
         let is_absorbed = |doubt: &Value| doubt["doubt"]["kind"] == "absorbed";
@@ -112,7 +112,7 @@ fn a_plan_is_a_bag_or_an_episode_too() {
     for more in ["motion.mcap --rate-hz 50", "motion.lerobot --rate-hz 50", "other.lerobot"] {
         let line =
             format!("next lacking.toml --until inertia_kg_m2<0.01 --duration-s 8 --tries 2 --out {more}");
-        let said = folder.aurt(line.split(' ')).succeeded().stdout();
+        let said = folder.run(line).succeeded().stdout();
         assert!(said.contains("written: "), "{said}");
         let name = more.split(' ').next().unwrap_or_default();
         read.push(read_recording(&folder.path(name), &options).unwrap());
@@ -131,7 +131,7 @@ fn a_plan_is_a_bag_or_an_episode_too() {
 fn plans_that_cannot_be_are_refused() {
     let folder = Folder::new().with_whole_demo();
     let refused = |more: &str, words: &[&str]| {
-        folder.aurt(format!("next experiment.toml {more}").split(' ')).refused(words);
+        folder.run(format!("next experiment.toml {more}")).refused(words);
     };
     refused("--out motion.xyz", &["--out", ".csv, .yaml, .script, .mcap or .lerobot"]);
     refused("--out motion.lerobot --rate-hz 12.5", &["--rate-hz", "whole number"]);
@@ -151,8 +151,8 @@ fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
     let Some(_) = real_recordings("next of the UR10e") else { return };
     let folder = Folder::new();
     let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_structure.toml");
-    let run = folder.aurt(["next", experiment, "--json", "--out", "motion.script"]).succeeded();
-    let plan: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run(format!("next {experiment} --json --out motion.script")).succeeded();
+    let plan = run.json();
     let open = plan["open"].as_array().unwrap();
     let settled = |way: &str| open.iter().map(|doubt| doubt[way]["settled"].as_f64().unwrap()).sum::<f64>();
     let [planned, again, generic] = ["planned", "recorded_again", "multi_sine"].map(settled);

@@ -7,28 +7,14 @@ use std::{
 
 use crate::support::{DEMO, Folder, with_cell, with_line};
 
-fn experiment() -> Folder {
-    Folder::new().with_demo(&[
-        "mdh.csv",
-        "experiment.toml",
-        "exciting_motion.csv",
-        "other_motion.csv",
-        "point_to_point.csv",
-    ])
-}
-
 #[test]
 fn impossible_outputs_are_refused_first() {
-    let folder = experiment();
-    let run = |line: &str| folder.aurt(line.split_whitespace());
-    run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out .").refused(&["--out", "is a folder"]);
-    run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out no/rbd.json").refused(&[
-        "no/rbd.json",
-        "not an existing folder",
-        "create the folder first",
-    ]);
-    run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out mdh.csv")
-        .refused(&["is an input", "overwritten"]);
+    let folder = Folder::new().with_whole_demo();
+    let run = |line: &str| folder.run(line);
+    let compile = |out: &str| run(&format!("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out {out}"));
+    compile(".").refused(&["--out", "is a folder"]);
+    compile("no/rbd.json").refused(&["no/rbd.json", "not an existing folder", "create the folder first"]);
+    compile("mdh.csv").refused(&["is an input", "overwritten"]);
     run("run experiment.toml --out mdh.csv").refused(&["is a file", "a folder is needed"]);
     run("run experiment.toml --out no/where").refused(&["not an existing folder"]);
     run("demo --out experiment.toml").refused(&["is a file"]);
@@ -36,16 +22,15 @@ fn impossible_outputs_are_refused_first() {
 
 #[test]
 fn a_failing_run_leaves_nothing() {
-    let folder = experiment();
-    let corrupt = with_line(&folder.read("point_to_point.csv"), 700, |l| with_cell(l, 9, "nan"));
-    folder.write("point_to_point.csv", &corrupt);
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["point_to_point.csv", "700"]);
+    let folder = Folder::new().with_whole_demo();
+    folder.edit("point_to_point.csv", |text| with_line(text, 700, |l| with_cell(l, 9, "nan")));
+    folder.run("run experiment.toml --out out").refused(&["point_to_point.csv", "700"]);
     assert!(!folder.path("out").exists());
 
     // What an earlier run left stays as it was.
     fs::create_dir(folder.path("out")).unwrap();
     folder.write("out/metrics.json", "earlier");
-    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["700"]);
+    folder.run("run experiment.toml --out out").refused(&["700"]);
     assert_eq!(folder.read("out/metrics.json"), "earlier");
     assert_eq!(fs::read_dir(folder.path("out")).unwrap().count(), 1);
 }
@@ -53,12 +38,12 @@ fn a_failing_run_leaves_nothing() {
 /// A file of some name, which the command reads, stays as it is when the command would write to that name.
 #[test]
 fn what_a_command_has_read_is_not_overwritten() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let copy = |from: &str, to: &str| fs::copy(folder.path(from), folder.path(to)).unwrap();
     let stays = |experiment: &str, command: &str, file: &str| {
         folder.write("own.toml", experiment);
         let (before, names) = (folder.read(file), folder.names());
-        folder.aurt(command.split(' ')).refused(&[file, "overwritten"]);
+        folder.run(command).refused(&[file, "overwritten"]);
         assert!(folder.read(file) == before && folder.names() == names, "{command}: {:?}", folder.names());
     };
     let toml = folder.read("experiment.toml");
@@ -97,14 +82,14 @@ fn private_folder(path: &Path) {
 
 #[test]
 fn two_commands_do_not_write_to_one_place() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     let held = |place: &str| {
         private_folder(&folder.path(place));
         let lock = fs::File::create(folder.path(place).join("lock")).unwrap();
         lock.lock().unwrap();
         lock
     };
-    let run = || folder.aurt("run experiment.toml --out out".split(' '));
+    let run = || folder.run("run experiment.toml --out out");
     for place in [".aurt-out.part", "out/.aurt-.part"] {
         let lock = held(place);
         run().refused(&["--out", "another run writes there", "wait until it has ended"]);
@@ -119,16 +104,16 @@ fn two_commands_do_not_write_to_one_place() {
     let lock = held(".aurt-p.csv.part");
     let predict =
         "predict --model out/rd_calibrated.json --data other_motion.csv --gravity 0 0 -9.81 --out p.csv";
-    folder.aurt(predict.split(' ')).refused(&["p.csv", "another run writes there"]);
+    folder.run(predict).refused(&["p.csv", "another run writes there"]);
     drop(lock);
-    folder.aurt(predict.split(' ')).succeeded();
+    folder.run(predict).succeeded();
 }
 
 /// A list of renames that somebody has put into the folder is no instruction, and is not even opened.
 #[cfg(unix)]
 #[test]
 fn a_forged_journal_does_nothing() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     folder.write("victim", "stays");
     folder.write("forged", "forged");
     let journal =
@@ -140,8 +125,8 @@ fn a_forged_journal_does_nothing() {
     std::os::unix::fs::symlink("/dev/zero", folder.path(".aurt-2.journal")).unwrap();
     let pipe = folder.path("out/.aurt-3.journal");
     assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
-    folder.aurt("run experiment.toml --out out".split(' ')).succeeded();
-    folder.aurt("run experiment.toml --out new".split(' ')).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
+    folder.run("run experiment.toml --out new").succeeded();
     assert_eq!((folder.read("victim"), folder.read("forged")), ("stays".into(), "forged".into()));
 }
 
@@ -149,7 +134,7 @@ fn a_forged_journal_does_nothing() {
 fn exports_replace_exports_alone() {
     let folder = Folder::new();
     fs::copy(DEMO.path("demo/rd_calibrated.json"), folder.path("rd_calibrated.json")).unwrap();
-    let export = |line: &str| folder.aurt(format!("export {line} --name robot --out .").split(' '));
+    let export = |line: &str| folder.run(format!("export {line} --name robot --out ."));
     for (target, file) in [("c rd_calibrated.json", "main.c"), ("rust rd_calibrated.json", "Cargo.toml")] {
         folder.write(file, "mine");
         export(target).refused(&["--out", file, "is not by `aurt export`", "--force"]);
@@ -168,13 +153,11 @@ fn exports_replace_exports_alone() {
 
 #[test]
 fn recordings_of_one_name_keep_their_predictions_apart() {
-    let folder = experiment();
+    let folder = Folder::new().with_whole_demo();
     fs::create_dir(folder.path("second")).unwrap();
     fs::rename(folder.path("other_motion.csv"), folder.path("second/exciting_motion.csv")).unwrap();
-    let toml =
-        folder.read("experiment.toml").replace("\"other_motion.csv\"", "\"second/exciting_motion.csv\"");
-    folder.write("experiment.toml", &toml);
-    folder.aurt("run experiment.toml --out out".split(' ')).succeeded();
+    folder.edit("experiment.toml", |text| text.replace("\"other_motion", "\"second/exciting_motion"));
+    folder.run("run experiment.toml --out out").succeeded();
     let demo = |name: &str| DEMO.read(&format!("demo/{name}"));
     assert_eq!(folder.read("out/predicted_exciting_motion.csv"), demo("predicted_exciting_motion.csv"));
     assert_eq!(folder.read("out/predicted_exciting_motion_2.csv"), demo("predicted_other_motion.csv"));
@@ -191,14 +174,14 @@ fn the_demo_runs_again_where_it_has_run() {
         fs::copy(DEMO.path("demo").join(name), folder.path("demo").join(name)).unwrap();
     }
     for _ in 0..2 {
-        folder.aurt("demo --out demo --quiet".split(' ')).succeeded();
+        folder.run("demo --out demo --quiet").succeeded();
         for name in ["mdh.csv", "later.toml", "point_to_point.csv", "rd_calibrated.json"] {
             assert_eq!(folder.read(&format!("demo/{name}")), DEMO.read(&format!("demo/{name}")), "{name}");
         }
     }
     let changed = folder.read("demo/experiment.toml") + "# mine\n";
     folder.write("demo/experiment.toml", &changed);
-    folder.aurt("demo --out demo".split(' ')).refused(&["experiment.toml", "your own", "another folder"]);
+    folder.run("demo --out demo").refused(&["experiment.toml", "your own", "another folder"]);
     assert_eq!(folder.read("demo/experiment.toml"), changed);
 }
 
@@ -206,6 +189,6 @@ fn the_demo_runs_again_where_it_has_run() {
 fn the_demo_does_not_overwrite_an_experiment_of_the_user() {
     let folder = Folder::new();
     folder.write("experiment.toml", "schema = 1 # mine\n");
-    folder.aurt("demo --out .".split(' ')).refused(&["experiment.toml", "your own", "another folder"]);
+    folder.run("demo --out .").refused(&["experiment.toml", "your own", "another folder"]);
     assert_eq!(folder.names(), ["experiment.toml"]);
 }

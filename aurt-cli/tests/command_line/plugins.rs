@@ -47,13 +47,13 @@ fn succeeded(command: &mut Command) -> String {
 fn is_a_model(folder: Folder, library: &Path, model: &str) {
     let folder = folder.with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
     let library = text(library);
-    let listed = folder.aurt(["--plugin", &library, "models"]).succeeded().stdout();
+    let listed = folder.run(format!("--plugin {library} models")).succeeded().stdout();
     assert!(listed.contains(&format!("  {model} ")), "{listed}");
-    let explained = folder.aurt(["--plugin", &library, "explain", model]).succeeded().stdout();
+    let explained = folder.run(format!("--plugin {library} explain {model}")).succeeded().stdout();
     assert!(explained.contains("saturation_velocity_rad_s"), "{explained}");
 
     folder.write("experiment.toml", &EXPERIMENT.replace("LIBRARY", &library).replace("MODEL", model));
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.run("run experiment.toml --out out").succeeded();
     let saved = folder.json("out/rd_calibrated.json");
     let viscous = &saved["model"]["joint_dynamics"][0]["viscous"];
     assert_eq!((&viscous["model"], &viscous["saturation_velocity_rad_s"]), (&model.into(), &1.0.into()));
@@ -65,7 +65,7 @@ fn is_a_model(folder: Folder, library: &Path, model: &str) {
 
     asks_first(&folder, &library);
 
-    folder.aurt(["sweep", "run", "experiment.toml", "--out", "sweep"]).succeeded();
+    folder.run("sweep run experiment.toml --out sweep").succeeded();
     let table = folder.json("sweep/table.json");
     assert_eq!(table["ranked"].as_array().unwrap().len(), 3);
     assert_eq!(table["failed"].as_array().unwrap().len(), 0);
@@ -80,10 +80,10 @@ fn is_a_model(folder: Folder, library: &Path, model: &str) {
          [\"{library}\"], \"joint_dynamics.viscous\" = {own} }}\n"
     );
     folder.write("one.toml", &format!("{plain}{variants}"));
-    folder.aurt(["sweep", "plan", "one.toml", "--out", "one"]).succeeded();
-    folder.aurt(["sweep", "point", "1", "--out", "one"]).succeeded();
-    folder.aurt(["sweep", "point", "2", "--out", "one"]).succeeded();
-    folder.aurt(["sweep", "collect", "--out", "one"]).succeeded();
+    folder.run("sweep plan one.toml --out one").succeeded();
+    folder.run("sweep point 1 --out one").succeeded();
+    folder.run("sweep point 2 --out one").succeeded();
+    folder.run("sweep collect --out one").succeeded();
 }
 
 /// Files that name a library run none of its code before somebody has said that they may.
@@ -123,15 +123,15 @@ fn libraries_and_their_list_are_regular_files() {
         folder.aurt_with([("AURT_TRUST", ""), ("AURT_TRUST_FILE", endless)], ["models"]).refused(&[endless]);
         folder
             .write("experiment.toml", &EXPERIMENT.replace("LIBRARY", endless).replace("MODEL", "saturating"));
-        folder.aurt(["run", "experiment.toml", "--out", "out"]).refused(&[endless]);
-        folder.aurt(["trust", endless]).refused(&[endless]);
+        folder.run("run experiment.toml --out out").refused(&[endless]);
+        folder.run(format!("trust {endless}")).refused(&[endless]);
     }
 }
 
 #[test]
 fn a_new_rust_plugin_is_calibrated_and_swept() {
     let folder = Folder::new();
-    folder.aurt(["new-plugin", "drag-rust"]).succeeded();
+    folder.run("new-plugin drag-rust").succeeded();
     // The versions of this workspace, so that nothing has to be downloaded.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     fs::copy(root.join("Cargo.lock"), folder.path("drag-rust/Cargo.lock")).unwrap();
@@ -159,7 +159,7 @@ fn a_new_c_plugin_is_calibrated_and_swept() {
         return;
     }
     let folder = Folder::new();
-    folder.aurt(["new-plugin", "drag-c", "--lang", "c"]).succeeded();
+    folder.run("new-plugin drag-c --lang c").succeeded();
     let make = |arguments: &[&str]| {
         succeeded(Command::new("make").current_dir(folder.path("drag-c")).args(arguments))
     };
@@ -188,7 +188,7 @@ fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
         let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
         let sweep = "[sweep.grid]\n\"joint_dynamics.hysteresis.model\" = [\"sign\", \"faulty\", \"tanh\"]\n";
         folder.write("experiment.toml", &format!("{base}{sweep}"));
-        let run = folder.aurt(["sweep", "run", "experiment.toml", "--out", fault]);
+        let run = folder.run(format!("sweep run experiment.toml --out {fault}"));
         assert_eq!(run.status(), 1, "{}", run.stderr());
         let table = folder.json(&format!("{fault}/table.json"));
         assert_eq!(table["ranked"].as_array().unwrap().len(), 2);
@@ -208,6 +208,6 @@ fn names_of_a_library_are_words_and_each_is_there_once() {
         folder.aurt(["--plugin", &text(&library), "models"]).refused(&[reason]);
     }
     folder.write("none.so", "no library");
-    let said = folder.aurt(["--plugin", "none.so", "models"]).refused(&["none.so"]);
+    let said = folder.run("--plugin none.so models").refused(&["none.so"]);
     assert!(!said.contains("dlopen failed"), "{said}");
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, numbers, real_recordings, text};
+use crate::support::{Folder, numbers, real_recordings, text, with_table};
 
 /// An experiment on the recordings of a UR10e at 500 Hz, as the tool of the paper calibrates it.
 fn as_in_the_paper(data: &std::path::Path, coulomb: &str, powers: &str) -> String {
@@ -46,7 +46,7 @@ fn the_original_tool_s_results_are_reproduced() {
             let name = format!("{} {powers}", if coulomb == "constant" { "none" } else { coulomb });
             let folder = Folder::new();
             folder.write("experiment.toml", &as_in_the_paper(&data, coulomb, powers));
-            folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+            folder.run("run experiment.toml --out out").succeeded();
             let metrics = folder.json("out/metrics.json");
             let expected = &whole[&name];
             assert_eq!(metrics["base_parameters"], 36);
@@ -72,7 +72,7 @@ fn the_original_tool_s_results_are_reproduced() {
 /// Runs an experiment of the folder `examples` and hands over its metrics.
 fn example(folder: &Folder, name: &str) -> Value {
     let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/").to_owned() + name + ".toml";
-    folder.aurt(["run", &experiment, "--out", name]).succeeded();
+    folder.run(format!("run {experiment} --out {name}")).succeeded();
     folder.json(&format!("{name}/metrics.json"))
 }
 
@@ -144,15 +144,13 @@ fn a_headerless_log_is_read_by_column_numbers() {
     let data = text(&data);
     let toml =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/ur10e.toml")).unwrap();
-    let begin = toml.find("[recordings]").unwrap();
-    let end = toml.find("[preprocess]").unwrap();
     let validated = |name: &str, recording: &str| {
         let recordings = format!(
             "[recordings]\ncalibration = ['{data}/ur10e/unloaded_50s.csv']\nvalidation = [{recording}]\n"
         );
         let experiment = format!("{name}.toml");
-        folder.write(&experiment, &format!("{}{recordings}{}", &toml[..begin], &toml[end..]));
-        folder.aurt(["run", &experiment, "--out", name]).succeeded();
+        folder.write(&experiment, &with_table(&toml, "[recordings]", &recordings));
+        folder.run(format!("run {experiment} --out {name}")).succeeded();
         numbers(&folder.json(&format!("{name}/metrics.json"))["recordings"][1]["nrmse"])
     };
     let named = validated("named", &format!("'{data}/ur10e/excitation_20s.csv'"));
@@ -168,9 +166,9 @@ fn a_check_tells_what_a_motion_leaves_out() {
     let Some(data) = real_recordings("a_check_tells_what_a_motion_leaves_out") else { return };
     let folder = Folder::new();
     let (recording, mdh) = (text(&data.join("ur3e/wave_joint_1.csv")), text(&data.join("ur3e/mdh.csv")));
-    let run = folder.aurt(["check", &recording, "--mdh", &mdh, "--json"]);
+    let run = folder.run(format!("check {recording} --mdh {mdh} --json"));
     assert_eq!(run.status(), 1);
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let report = run.json();
     let findings = report["findings"].to_string();
     assert!(findings.contains("only joint 1 moves"), "{findings}");
     let parameters = report["excitation"]["parameters"].as_array().unwrap();
@@ -186,7 +184,7 @@ fn a_check_tells_what_a_motion_leaves_out() {
     // An exciting motion of all joints leaves nothing out, and nothing to heed at the f_dyn that the check recommends; at
     // 10 Hz noise covers what is small.
     let (recording, mdh) = (text(&data.join("ur10e/excitation_20s.csv")), text(&data.join("ur10e/mdh.csv")));
-    let report = folder.aurt(["check", &recording, "--mdh", &mdh, "--f-dyn-hz", "2.5"]).succeeded().stdout();
+    let report = folder.run(format!("check {recording} --mdh {mdh} --f-dyn-hz 2.5")).succeeded().stdout();
     assert!(report.contains("48 determined, 0 only in combinations, 0 out of"), "{report}");
     assert!(report.contains("f_dyn_hz = 2.5 under [preprocess]"), "{report}");
 }

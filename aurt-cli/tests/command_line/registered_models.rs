@@ -26,7 +26,7 @@ fn leaves_something(verdict: &Value) -> bool {
 #[test]
 fn a_law_that_only_a_library_has_is_found_and_modelled() {
     let folder = Folder::new().with_concealed(
-        "[recordings]\nduration_s = 20.0\nrate_hz = 125.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
+        "[recordings]\nduration_s = 10.0\nrate_hz = 125.0\n[unknown_effects]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
          strengths = ['strong']\ntrials = 1\n",
         31,
     );
@@ -41,12 +41,12 @@ fn a_law_that_only_a_library_has_is_found_and_modelled() {
         };
         let experiment = format!("cases/{case}/experiment.toml");
         let without = format!("{case}_without");
-        assert_eq!(folder.aurt(["diagnose", &experiment, "--out", &without, "--verdict-only"]).status(), 1);
+        assert_eq!(folder.run(format!("diagnose {experiment} --out {without} --verdict-only")).status(), 1);
         let unknown = verdict(&folder, &without);
         assert!(leaves_something(&unknown), "{case}: {hidden} {unknown}");
         assert_eq!(unknown.get("registered_models"), None);
 
-        let run = folder.aurt(["--plugin", &library, "diagnose", &experiment, "--out", case]);
+        let run = folder.run(format!("--plugin {library} diagnose {experiment} --out {case}"));
         assert_eq!(run.status(), 1, "{}", run.stderr());
         let found = verdict(&folder, case);
         assert!(leaves_something(&found), "no word of the vocabulary: {found}");
@@ -95,7 +95,7 @@ fn a_law_that_only_a_library_has_is_found_and_modelled() {
 #[test]
 fn a_library_changes_nothing_where_its_laws_are_not() {
     let folder = Folder::new().with_concealed(
-        "[recordings]\nduration_s = 20.0\nrate_hz = 125.0\n[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
+        "[recordings]\nduration_s = 10.0\nrate_hz = 125.0\n[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
          strengths = ['medium']\ntrials = 1\n[nulls]\nrobots = ['ur10e']\ncount = 2\n",
         32,
     );
@@ -104,7 +104,7 @@ fn a_library_changes_nothing_where_its_laws_are_not() {
     for case in ["case_0001", "case_0002", "case_0003", "case_0004", "case_0005"] {
         let experiment = format!("cases/{case}/experiment.toml");
         let (plain, loaded) = (format!("{case}_plain"), format!("{case}_loaded"));
-        folder.aurt(["diagnose", &experiment, "--out", &plain, "--verdict-only", "--quiet"]);
+        folder.run(format!("diagnose {experiment} --out {plain} --verdict-only --quiet"));
         let arguments = ["--plugin", &library, "diagnose", &experiment, "--out", &loaded, "--verdict-only"];
         folder.aurt(arguments);
         let (plain, loaded) = (verdict(&folder, &plain), verdict(&folder, &loaded));

@@ -4,8 +4,7 @@ use serde_json::Value;
 
 use crate::support::Folder;
 
-const PLAN: &str =
-    "[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\nstrengths = ['strong']\ntrials = 4\n";
+const PLAN: &str = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\nstrengths = ['strong']\ntrials = 4\n";
 
 /// The diagnosis that may not name play does not look for it either: it has no reason to say that something is
 /// unexplained but what it shows, which is structure on a joint, an effect or a registered model. In the last of these
@@ -15,7 +14,7 @@ fn an_effect_that_is_withheld_is_not_looked_for() {
     let folder = Folder::new().with_concealed(PLAN, 3);
     for case in ["case_0001", "case_0004"] {
         let experiment = format!("cases/{case}/experiment.toml");
-        folder.aurt(["diagnose", &experiment, "--verdict-only", "--without", "backlash", "--out", "said"]);
+        folder.run(format!("diagnose {experiment} --verdict-only --without backlash --out said"));
         let verdict = folder.json("said/verdict.json");
         let some = |key: &str| verdict[key].as_array().is_some_and(|list| !list.is_empty());
         assert!(!names(&verdict).contains(&"backlash".to_owned()), "{verdict:#}");

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{DEMO, Folder};
+use crate::support::{DEMO, Folder, assert_has};
 
 /// The document that a report carries for programs.
 fn embedded(report: &str) -> Value {
@@ -36,21 +36,17 @@ fn a_report_carries_what_metrics_json_holds() {
     for joint in 0..6 {
         assert!(report.contains(&format!(">joint {joint}<")), "joint {joint}");
     }
-    for word in ["F_C1_2", "rotor_inertia.I_a_5", "weights 1/σ²", "filters: positions", "Seed"] {
-        assert!(report.contains(word), "{word}");
-    }
+    assert_has(&report, &["F_C1_2", "rotor_inertia.I_a_5", "weights 1/σ²", "filters: positions", "Seed"]);
 }
 
 #[test]
 fn names_of_files_and_what_they_hold_are_text() {
-    let names =
-        ["mdh.csv", "experiment.toml", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv"];
-    let folder = Folder::new().with_demo(&names);
+    let folder = Folder::new().with_whole_demo();
     let evil = "x<img src=a onerror=alert(1)>&amp;'.csv";
     fs::rename(folder.path("other_motion.csv"), folder.path(evil)).unwrap();
     let toml = folder.read("experiment.toml").replace("\"other_motion.csv\"", &format!("\"{evil}\""));
     folder.write("experiment.toml", &format!("{toml}# </script><script>alert(2)</script>\n"));
-    folder.aurt("run experiment.toml --out out --plots out/plots".split(' ')).succeeded();
+    folder.run("run experiment.toml --out out --plots out/plots").succeeded();
     let report = folder.read("out/report.html");
     assert!(!report.contains("<img"), "a file name became markup");
     assert!(!report.contains("<script>alert"), "an experiment became a script");
@@ -68,8 +64,8 @@ fn names_of_files_and_what_they_hold_are_text() {
 fn every_figure_can_be_had_as_a_file() {
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv"]);
     let line = "check exciting_motion.csv --mdh mdh.csv --out check --plots new/plots --json";
-    let run = folder.aurt(line.split(' ')).succeeded();
-    let outputs: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run(line).succeeded();
+    let outputs = run.json();
     let outputs = outputs["outputs"].as_array().unwrap();
     assert_self_contained(&folder.read("check/report.html"));
     let figures = folder.read("check/report.html").matches("<figure").count();
@@ -84,7 +80,7 @@ fn every_figure_can_be_had_as_a_file() {
 #[test]
 fn calibrating_and_validating_leaves_a_report_beside_the_model() {
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv"]);
-    let run = |line: &str| folder.aurt(line.split(' ')).succeeded();
+    let run = |line: &str| folder.run(line).succeeded();
     run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json");
     run(
         "compile-rd --model-rbd rbd.json --friction-torque-model none --friction-viscous-powers 1 --out rd.json",
@@ -97,5 +93,5 @@ fn calibrating_and_validating_leaves_a_report_beside_the_model() {
     let roles: Vec<Value> =
         embedded(&report)["recordings"].as_array().unwrap().iter().map(|r| r["role"].clone()).collect();
     assert_eq!(roles, ["calibration", "validation"]);
-    folder.aurt(format!("{line} --out-report p.csv").split(' ')).refused(&["--out-report", "--out-params"]);
+    folder.run(format!("{line} --out-report p.csv")).refused(&["--out-report", "--out-params"]);
 }

@@ -1,24 +1,19 @@
 //! Predictions and residuals as Parquet and MCAP, read again by the program itself.
 
-use crate::support::Folder;
+use crate::support::{Folder, column, first_columns, numbers, with_table, without_constants};
 
-fn column(csv: &str, name: &str) -> Vec<f64> {
-    let mut lines = csv.lines();
-    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let at = header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{name} in {header:?}"));
-    lines.map(|l| l.split(',').nth(at).unwrap().parse().unwrap()).collect()
+/// The columns of a quantity, as an experiment lists them.
+fn names(quantity: &str) -> String {
+    let list: Vec<String> = (0..6).map(|j| format!("\"{quantity}_{j}\"")).collect();
+    format!("[{}]", list.join(", "))
 }
 
 #[test]
 fn a_model_is_as_good_on_what_it_predicted() {
     let folder = Folder::new().with_whole_demo();
-    folder.aurt(["run", "experiment.toml", "--out", "results", "--series", "parquet"]).succeeded();
-    folder.aurt(["run", "experiment.toml", "--out", "bags", "--series", "mcap"]).succeeded();
+    folder.run("run experiment.toml --out results --series parquet").succeeded();
+    folder.run("run experiment.toml --out bags --series mcap").succeeded();
     let model = "results/rd_calibrated.json";
-    let names = |quantity: &str| -> String {
-        let list: Vec<String> = (0..6).map(|j| format!("\"{quantity}_{j}\"")).collect();
-        format!("[{}]", list.join(", "))
-    };
     let columns = format!(
         "columns = {{ time = \"timestamp\", position = {}, measurement = {} }}, unit = \"Nm\"",
         names("q"),
@@ -27,31 +22,19 @@ fn a_model_is_as_good_on_what_it_predicted() {
     for (ending, options) in [("parquet", columns.as_str()), ("mcap", "topic = \"/predicted\"")] {
         // `predict` by the ending of its output, and `run` with `--series`, write the same series.
         let out = format!("predicted.{ending}");
-        folder.aurt(["predict", "--model", model, "--data", "other_motion.csv", "--out", &out]).succeeded();
+        folder.run(format!("predict --model {model} --data other_motion.csv --out {out}")).succeeded();
         let of_run = match ending {
             "parquet" => "results/series_other_motion.parquet",
             _ => "bags/series_other_motion.mcap",
         };
         for file in [out.as_str(), of_run] {
-            let experiment = folder.read("experiment.toml");
-            let begin = experiment.find("[recordings]").unwrap();
-            let rest = &experiment[begin + 12..];
-            let end = rest.find("\n[").map_or(rest.len(), |n| n + 1);
-            let recordings = format!(
-                "[recordings]\ncalibration = [{{ file = \"{file}\", {options} }}]\n\n{}",
-                &rest[end..]
-            );
             // A prediction is a torque already.
-            let text = format!("{}{recordings}", &experiment[..begin]);
-            let text: String = text
-                .lines()
-                .filter(|l| !l.starts_with("torque_constants_nm_per_a"))
-                .map(|l| format!("{l}\n"))
-                .collect();
-            folder.write("again.toml", &text);
-            folder.aurt(["run", "again.toml", "--out", "again"]).succeeded();
+            let experiment = without_constants(&folder.read("experiment.toml"));
+            let recordings = format!("[recordings]\ncalibration = [{{ file = \"{file}\", {options} }}]\n\n");
+            folder.write("again.toml", &with_table(&experiment, "[recordings]", &recordings));
+            folder.run("run again.toml --out again").succeeded();
             let metrics = folder.json("again/metrics.json");
-            let errors = crate::support::numbers(&metrics["recordings"][0]["nmse"]);
+            let errors = numbers(&metrics["recordings"][0]["nmse"]);
             assert!(errors.iter().all(|e| *e < 1e-3), "{file}: {errors:?}");
         }
     }
@@ -62,25 +45,19 @@ fn a_model_is_as_good_on_what_it_predicted() {
 #[test]
 fn series_without_measurement_and_in_stretches() {
     let folder = Folder::new().with_whole_demo();
-    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
-    let motion: String = folder
-        .read("other_motion.csv")
-        .lines()
-        .map(|line| {
-            let cells: Vec<&str> = line.split(',').take(7).collect();
-            format!("{}\n", cells.join(","))
-        })
-        .collect();
-    folder.write("motion.csv", &motion);
+    folder.run("run experiment.toml --out results").succeeded();
+    folder.write("motion.csv", &first_columns(&folder.read("other_motion.csv"), 7));
     let predict = ["predict", "--model", "results/rd_calibrated.json", "--data", "motion.csv", "--out"];
     folder.aurt(predict.iter().chain(&["motion.mcap"])).succeeded();
     let bytes = std::fs::read(folder.path("motion.mcap")).unwrap();
     let has = |topic: &str| bytes.windows(topic.len()).any(|w| w == topic.as_bytes());
     assert!(has("/predicted") && !has("/measured") && !has("/residual"));
-    folder
-        .aurt(["run", "experiment.toml", "--out", "long", "--series", "mcap", "--stream-above", "1kB"])
-        .refused(&["--series", "in stretches", "--stream-above"]);
-    folder.aurt(["run", "experiment.toml", "--out", "x", "--series", "csv"]).refused(&["parquet", "mcap"]);
+    folder.run("run experiment.toml --out long --series mcap --stream-above 1kB").refused(&[
+        "--series",
+        "in stretches",
+        "--stream-above",
+    ]);
+    folder.run("run experiment.toml --out x --series csv").refused(&["parquet", "mcap"]);
 }
 
 /// What a diagnosis saw is a recording again; what it predicted has no values where rows do not count.
@@ -105,16 +82,9 @@ fn a_diagnosis_writes_what_it_saw() {
     {
         assert!(bag.windows(topic.len()).any(|w| w == topic.as_bytes()), "{topic}");
     }
-    let names = |quantity: &str| -> String {
-        let list: Vec<String> = (0..6).map(|j| format!("\"{quantity}_{j}\"")).collect();
-        format!("[{}]", list.join(", "))
-    };
     // Rows of a diagnosis are as dense as its filter leaves anything to be seen: a lower one sees them.
     let experiment = folder.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 2.0");
-    let experiment: String =
-        experiment.lines().filter(|l| !l.starts_with("torque_constants")).map(|l| format!("{l}\n")).collect();
-    let begin = experiment.find("[recordings]").unwrap();
-    let end = begin + 12 + experiment[begin + 12..].find("\n[").unwrap_or(experiment.len() - begin - 12);
+    let experiment = without_constants(&experiment);
     let run = |series: &str| {
         let columns =
             format!("{{ time = \"timestamp\", position = {}, measurement = {} }}", names("q"), names(series));
@@ -122,8 +92,8 @@ fn a_diagnosis_writes_what_it_saw() {
         let recordings = format!(
             "[recordings]\ndrop = \"nan\"\ncalibration = [{{ file = \"{file}\", columns = {columns}, unit = \"Nm\" }}]\n"
         );
-        folder.write("again.toml", &format!("{}{recordings}{}", &experiment[..begin], &experiment[end..]));
-        folder.aurt(["run", "again.toml", "--out", series])
+        folder.write("again.toml", &with_table(&experiment, "[recordings]", &recordings));
+        folder.run(format!("run again.toml --out {series}"))
     };
     run("measured_torque").succeeded();
     // Rows at the ends of a recording do not count, and are no rows of the series; rows at reversals do not, and have no

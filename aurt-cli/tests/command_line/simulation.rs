@@ -2,9 +2,7 @@
 
 use std::f64::consts::PI;
 
-use serde_json::Value;
-
-use crate::support::{DEMO, Folder, numbers};
+use crate::support::{DEMO, Folder, assert_has, numbers, rows, with_table};
 
 const SCENARIO: &str = r#"
 robot = "ur10e"
@@ -38,14 +36,14 @@ fn a_scenario_becomes_a_recording_the_same_each_time() {
     folder.write("offset.toml", &format!("{SCENARIO}{effect}"));
     for (scenario, out) in [("plain", "a"), ("plain", "b"), ("offset", "c")] {
         let line = format!("simulate --scenario {scenario}.toml --out {out}.csv");
-        folder.aurt(line.split(' ')).succeeded();
+        folder.run(line).succeeded();
     }
     assert_eq!(folder.read("a.csv"), folder.read("b.csv"));
     assert_ne!(folder.read("a.csv"), folder.read("c.csv"));
     let text = folder.read("a.csv");
     assert!(text.starts_with("timestamp,actual_q_0,"), "{}", &text[..60]);
     assert_eq!(text.lines().count(), 402);
-    folder.aurt("check a.csv".split(' ')).succeeded();
+    folder.run("check a.csv").succeeded();
 }
 
 #[test]
@@ -53,7 +51,7 @@ fn absurd_scenarios_are_refused_with_a_reason() {
     let folder = Folder::new();
     let refused = |change: &dyn Fn(&str) -> String, words: &[&str]| {
         folder.write("absurd.toml", &change(SCENARIO));
-        folder.aurt("simulate --scenario absurd.toml --out x.csv".split(' ')).refused(words);
+        folder.run("simulate --scenario absurd.toml --out x.csv").refused(words);
     };
     let with = |more: &'static str| move |text: &str| format!("{text}{more}");
     refused(&with("[[link]]\nindex = 2\nmass_kg = -1.0\n"), &["link 2", "positive"]);
@@ -72,11 +70,7 @@ fn absurd_scenarios_are_refused_with_a_reason() {
     refused(&|text| text.replace("seed = 7", "sead = 7"), &["sead"]);
     let fast = "kind = \"triangles\"\nduration_s = 10.0\nspeed_rad_s = 9.0\namplitude_rad = 1.0\n";
     refused(
-        &|text| {
-            let start = text.find("kind").unwrap();
-            let end = text.find("[logger]").unwrap();
-            format!("{}{fast}\n{}", &text[..start], &text[end..])
-        },
+        &|text| with_table(text, "[motion]", &format!("[motion]\n{fast}")),
         &["trajectory asks joint", "velocity", "limit"],
     );
 }
@@ -85,11 +79,9 @@ fn absurd_scenarios_are_refused_with_a_reason() {
 fn a_calibrated_model_follows_a_motion_and_is_driven_by_what_was_measured() {
     let folder = Folder::new().with_demo(&["rd_calibrated.json", "other_motion.csv"]);
     let run = folder
-        .aurt(
-            "simulate --model rd_calibrated.json --motion other_motion.csv --out moved.csv --json".split(' '),
-        )
+        .run("simulate --model rd_calibrated.json --motion other_motion.csv --out moved.csv --json")
         .succeeded();
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let report = run.json();
     let away = numbers(&report["largest_distance_rad"]);
     assert!(away.iter().all(|d| *d < 5e-3), "{away:?}");
     let moved = folder.read("moved.csv");
@@ -97,8 +89,8 @@ fn a_calibrated_model_follows_a_motion_and_is_driven_by_what_was_measured() {
     assert_eq!(moved.lines().nth(1).unwrap().split(',').count(), 1 + 3 * 6);
 
     // What it needed for that is what the recording measured, up to noise and model errors.
-    let predicted = folder
-        .aurt("simulate --model rd_calibrated.json --torques other_motion.csv --out driven.csv".split(' '));
+    let predicted =
+        folder.run("simulate --model rd_calibrated.json --torques other_motion.csv --out driven.csv");
     let said = predicted.succeeded().stdout();
     assert!(said.contains("without controller"), "{said}");
 }
@@ -106,7 +98,7 @@ fn a_calibrated_model_follows_a_motion_and_is_driven_by_what_was_measured() {
 #[test]
 fn a_model_needs_something_that_moves_it() {
     let folder = Folder::new().with_demo(&["rd_calibrated.json", "mdh.csv"]);
-    let run = |line: &str| folder.aurt(line.split(' '));
+    let run = |line: &str| folder.run(line);
     run("simulate --model rd_calibrated.json --out x.csv").refused(&["--motion", "--torques"]);
     run("simulate --out x.csv").refused(&["--model", "--scenario"]);
     run("simulate --model rd_calibrated.json --motion mdh.csv --out x.csv").refused(&["mdh.csv"]);
@@ -124,23 +116,22 @@ fn excitation_is_optimised_within_limits() {
     );
     let line =
         "excite --mdh mdh.csv --gravity 0 0 -9.81 --limits limits.csv --duration-s 12 --tries 60 --seed 3";
-    let run = folder.aurt(format!("{line} --out motion.csv --json").split(' ')).succeeded();
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run(format!("{line} --out motion.csv --json")).succeeded();
+    let report = run.json();
     let [first, best] =
         ["first_condition_number", "condition_number"].map(|key| report[key].as_f64().unwrap());
     assert!(best < first && best > 1.0, "{best} {first}");
-    folder.aurt(format!("{line} --out again.csv").split(' ')).succeeded();
+    folder.run(format!("{line} --out again.csv")).succeeded();
     let motion = folder.read("motion.csv");
     assert_eq!(motion, folder.read("again.csv"));
-    for line in motion.lines().skip(1) {
-        let values: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        assert!(values[1..7].iter().all(|q| q.abs() <= 2.0), "{line}");
-        assert!(values[7..13].iter().all(|v| v.abs() <= 1.5), "{line}");
-        assert!(values[13..].iter().all(|a| a.abs() <= 4.0), "{line}");
+    for row in rows(&motion) {
+        assert!(row[1..7].iter().all(|q| q.abs() <= 2.0), "{row:?}");
+        assert!(row[7..13].iter().all(|v| v.abs() <= 1.5), "{row:?}");
+        assert!(row[13..].iter().all(|a| a.abs() <= 4.0), "{row:?}");
     }
     for kind in ["multi-sine", "point-to-point", "triangles", "sweeps"] {
         let line = format!("excite --robot panda --kind {kind} --seed 1 --out {kind}.csv");
-        folder.aurt(line.split(' ')).succeeded();
+        folder.run(line).succeeded();
         assert_eq!(folder.read(&format!("{kind}.csv")).lines().count(), 2002);
     }
 }
@@ -152,32 +143,25 @@ fn limits_of_a_description_are_those_of_the_motion() {
     folder.write("gantry.urdf", include_str!("../../../aurt-rbd/tests/descriptions/reference/gantry.urdf"));
     folder.write("arm.xml", include_str!("../../../aurt-rbd/tests/descriptions/reference/arm.xml"));
     let line = "excite --robot gantry.urdf --tip wrist --velocity-rad-s 2 --duration-s 8 --tries 20 --seed 1 --out m.csv";
-    let run = folder.aurt(format!("{line} --json").split(' ')).succeeded();
-    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run(format!("{line} --json")).succeeded();
+    let report = run.json();
     let notes = report["notes"].to_string();
-    for part in [
-        "those of gantry.urdf",
-        "velocity limit of elbow: 2, as given",
-        "no range is stated of elbow",
-        "0.5 s",
-    ] {
-        assert!(notes.contains(part), "{part}\n---\n{notes}");
-    }
+    let parts =
+        ["those of gantry.urdf", "velocity limit of elbow: 2, as given", "no range is stated of elbow"];
+    assert_has(&notes, &[&parts[..], &["0.5 s"]].concat());
     let expected = [[-0.8, 1.2, 0.9], [-2.5, 2.5, 3.0], [-PI, PI, 2.0], [0.0, 0.25, 0.4]];
     let limits = report["limits"].as_array().unwrap();
     for (limits, [lower, upper, velocity]) in limits.iter().zip(expected) {
         assert_eq!((limits["lower_rad"].as_f64(), limits["upper_rad"].as_f64()), (Some(lower), Some(upper)));
         assert_eq!(limits["acceleration_rad_s2"].as_f64(), Some(2.0 * velocity));
     }
-    for line in folder.read("m.csv").lines().skip(1) {
-        let values: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+    for row in rows(&folder.read("m.csv")) {
         for (j, [lower, upper, velocity]) in expected.into_iter().enumerate() {
-            assert!((lower..=upper).contains(&values[1 + j]) && values[5 + j].abs() <= velocity, "{line}");
-            assert!(values[9 + j].abs() <= 2.0 * velocity, "{line}");
+            assert!((lower..=upper).contains(&row[1 + j]) && row[5 + j].abs() <= velocity, "{row:?}");
+            assert!(row[9 + j].abs() <= 2.0 * velocity, "{row:?}");
         }
     }
-    let run =
-        |line: &str| folder.aurt(format!("{line} --tries 5 --duration-s 8 --seed 1 --out x.csv").split(' '));
+    let run = |line: &str| folder.run(format!("{line} --tries 5 --duration-s 8 --seed 1 --out x.csv"));
     let urdf = "excite --robot gantry.urdf";
     let tree = run(&format!("{urdf} --velocity-rad-s 2")).succeeded().stdout();
     assert!(tree.contains("the robot is a tree") && tree.contains("1 joints follow others"), "{tree}");
@@ -232,7 +216,7 @@ fn absurd_excitation_is_refused() {
     let folder = Folder::new().with_demo(&["mdh.csv"]);
     folder.write("few.csv", "lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n-1,1,1,1\n");
     folder.write("none.csv", "lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n1,-1,1,1\n");
-    let run = |line: &str| folder.aurt(format!("{line} --seed 1 --out x.csv").split(' '));
+    let run = |line: &str| folder.run(format!("{line} --seed 1 --out x.csv"));
     run("excite --robot ur10e --rate-hz 0 --kind sweeps").refused(&["rate", "0"]);
     run("excite --robot ur10e --share 2").refused(&["share of the limits", "2"]);
     run("excite --robot ur10e --duration-s 0").refused(&["duration"]);

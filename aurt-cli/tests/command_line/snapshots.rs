@@ -5,7 +5,7 @@
 
 use insta::assert_snapshot;
 
-use crate::support::{Folder, Run};
+use crate::support::{Folder, Run, with_table};
 
 const BASELINE: [(&str, &str); 3] = [("AURT_SIMD", "baseline"), ("NO_COLOR", "1"), ("COLUMNS", "100")];
 
@@ -31,8 +31,7 @@ fn mistakes_in_an_experiment() {
 #[test]
 fn a_damaged_recording() {
     let folder = Folder::new().with_whole_demo();
-    let text = folder.read("exciting_motion.csv").replacen("0.012", "0,012", 1);
-    folder.write("exciting_motion.csv", &text);
+    folder.edit("exciting_motion.csv", |text| text.replacen("0.012", "0,012", 1));
     let said = folder.read_by_a_person("run experiment.toml --out out").refused(&[]);
     assert_snapshot!(said);
 }
@@ -49,10 +48,7 @@ fn what_a_calibration_prints() {
 fn what_a_diagnosis_prints() {
     let folder = Folder::new();
     folder.read_by_a_person("demo --out demo --quiet").succeeded();
-    let toml = folder.read("demo/experiment.toml");
-    let rotors = toml.find("[[arm_terms]]").unwrap();
-    let end = toml[rotors + 1..].find("\n[").map_or(toml.len(), |next| rotors + 1 + next);
-    folder.write("demo/experiment.toml", &[&toml[..rotors], &toml[end..]].concat());
+    folder.edit("demo/experiment.toml", |text| with_table(text, "[[arm_terms]]", ""));
     let run = folder.read_by_a_person("diagnose demo/experiment.toml --out diagnosis");
     assert_eq!(run.status(), 1, "{}", run.stderr());
     assert_snapshot!(run.stdout());

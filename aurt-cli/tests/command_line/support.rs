@@ -60,13 +60,7 @@ impl Folder {
 
     /// Copies all that the demo's experiment needs into this folder.
     pub fn with_whole_demo(self) -> Self {
-        self.with_demo(&[
-            "mdh.csv",
-            "experiment.toml",
-            "exciting_motion.csv",
-            "other_motion.csv",
-            "point_to_point.csv",
-        ])
+        self.with_demo(&WHOLE_DEMO)
     }
 
     /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
@@ -96,6 +90,19 @@ impl Folder {
         };
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         Some(library)
+    }
+
+    /// Changes a file of this folder, which has to become another one.
+    pub fn edit(&self, name: &str, change: impl FnOnce(&str) -> String) {
+        let text = self.read(name);
+        let changed = change(&text);
+        assert_ne!(text, changed, "{name} is as it was");
+        self.write(name, &changed);
+    }
+
+    /// Runs `aurt` in this folder with the words of a line.
+    pub fn run(&self, line: impl AsRef<str>) -> Run {
+        self.aurt(line.as_ref().split_whitespace())
     }
 
     /// Runs `aurt` in this folder.
@@ -143,6 +150,10 @@ impl Folder {
     }
 }
 
+/// All that the demo's experiment needs.
+pub const WHOLE_DEMO: [&str; 5] =
+    ["mdh.csv", "experiment.toml", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv"];
+
 /// A demo that has run, in the folder `demo`.
 pub static DEMO: LazyLock<Folder> = LazyLock::new(|| {
     let folder = Folder::new();
@@ -180,6 +191,12 @@ impl Run {
         String::from_utf8(self.0.stderr.clone()).unwrap()
     }
 
+    /// The document on standard output.
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout()).unwrap_or_else(|e| panic!("{e}: {}", self.stdout()))
+    }
+
     pub fn status(&self) -> i32 {
         self.0.status.code().unwrap()
     }
@@ -191,15 +208,21 @@ impl Run {
         self
     }
 
+    /// Asserts that all went well and that all of `words` were said; hands over what was said.
+    #[track_caller]
+    pub fn says(self, words: &[&str]) -> String {
+        let said = self.succeeded().stdout();
+        assert_has(&said, words);
+        said
+    }
+
     /// Asserts that the command refused with status 2 and said all of `words`; hands over what it said.
     #[track_caller]
     pub fn refused(self, words: &[&str]) -> String {
         let said = self.stderr();
         assert_eq!(self.status(), 2, "{}{said}", self.stdout());
         assert_eq!(self.stdout(), "", "a refusal belongs to standard error");
-        for word in words {
-            assert!(said.contains(word), "`{word}` is missing in:\n{said}");
-        }
+        assert_has(&said, words);
         assert!(!said.contains("panicked"), "{said}");
         said
     }
@@ -224,6 +247,59 @@ pub fn real_recordings(test: &str) -> Option<PathBuf> {
 pub fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap_or_else(|| panic!("no list: {value}"));
     list.iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// Asserts that a text has all of `words`.
+#[track_caller]
+pub fn assert_has(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "`{word}` is missing in:\n{text}");
+    }
+}
+
+/// A text without its line breaks.
+pub fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A table, its cells changed below the header where `change` gives another for a row and a column, both from 0.
+pub fn with_cells(table: &str, change: impl Fn(usize, usize, &str) -> Option<String>) -> String {
+    let (header, rows) = table.split_once('\n').unwrap();
+    let row = |(row, line): (usize, &str)| {
+        let cell = |(column, cell)| change(row, column, cell).unwrap_or_else(|| cell.to_owned());
+        line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",") + "\n"
+    };
+    format!("{header}\n") + &rows.lines().enumerate().map(row).collect::<String>()
+}
+
+/// The first columns of a table.
+pub fn first_columns(table: &str, count: usize) -> String {
+    table.lines().map(|line| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n").collect()
+}
+
+/// The numbers of a table below its header, row by row.
+pub fn rows(table: &str) -> Vec<Vec<f64>> {
+    table.lines().skip(1).map(|l| l.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+/// The numbers of a table in the column of that name.
+#[track_caller]
+pub fn column(table: &str, name: &str) -> Vec<f64> {
+    let at = table.lines().next().unwrap().split(',').position(|h| h == name);
+    let at = at.unwrap_or_else(|| panic!("{name} is no column"));
+    table.lines().skip(1).map(|line| line.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+/// A document with something else in the place of the first of its tables that has this header.
+pub fn with_table(toml: &str, header: &str, other: &str) -> String {
+    let begin = toml.find(header).unwrap();
+    let end = toml[begin + 1..].find("\n[").map_or(toml.len(), |at| begin + at + 2);
+    format!("{}{other}{}", &toml[..begin], &toml[end..])
+}
+
+/// An experiment without torque constants.
+pub fn without_constants(toml: &str) -> String {
+    toml.lines().filter(|l| !l.starts_with("torque_constants")).map(|l| format!("{l}\n")).collect()
 }
 
 /// A path as TOML and command lines take it.

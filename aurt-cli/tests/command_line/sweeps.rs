@@ -51,10 +51,6 @@ const MANY_POINTS: usize = 54;
 
 const FEW: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\", \"absolute\"]\n";
 
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
-
 /// Starts a sweep on one thread and leaves it running.
 fn started(folder: &Folder, out: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_aurt"))
@@ -117,11 +113,11 @@ fn what_is_killed_goes_on_to_the_same_bytes() {
     }
     let there = results(&folder, "killed");
     assert!(killed > 0 && (1..MANY_POINTS).contains(&there), "{killed} killed, {there} results");
-    let run = folder.aurt(words("sweep run experiment.toml --out killed --json")).succeeded();
-    let run: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    let run = folder.run("sweep run experiment.toml --out killed --json").succeeded();
+    let run = run.json();
     assert_eq!(run["run"]["present"], there);
     assert_eq!(run["run"]["run"], MANY_POINTS - there);
-    folder.aurt(words("sweep run experiment.toml --out undisturbed")).succeeded();
+    folder.run("sweep run experiment.toml --out undisturbed").succeeded();
     let (killed, undisturbed) = (contents(&folder.path("killed")), contents(&folder.path("undisturbed")));
     // A point and a result each, and five files about the whole sweep, the report among them.
     assert_eq!(undisturbed.len(), 2 * MANY_POINTS + 5);
@@ -134,36 +130,36 @@ fn two_sweeps_do_not_share_a_folder_at_a_time() {
     let mut first = started(&folder, "out");
     wait_for_more(&folder, "out", 0, &mut first);
     for second in ["sweep run experiment.toml --out out", "sweep point 1 --out out"] {
-        folder.aurt(words(second)).refused(&["another sweep is at work in this folder", "wait until"]);
+        folder.run(second).refused(&["another sweep is at work in this folder", "wait until"]);
     }
     assert!(first.try_wait().unwrap().is_none(), "the first was done too soon to be in the way");
     first.kill().unwrap();
     first.wait().unwrap();
-    folder.aurt(words("sweep point 1 --out out")).succeeded();
+    folder.run("sweep point 1 --out out").succeeded();
 }
 
 #[test]
 fn a_folder_belongs_to_one_experiment() {
     let folder = experiment(FEW);
-    folder.aurt(words("sweep run experiment.toml --out out")).succeeded();
+    folder.run("sweep run experiment.toml --out out").succeeded();
     folder.write("other.toml", &folder.read("experiment.toml"));
-    folder.aurt(words("sweep run other.toml --out out")).refused(&[
+    folder.run("sweep run other.toml --out out").refused(&[
         "holds the results of another experiment",
         "experiment.toml",
         "name another folder",
     ]);
-    folder.aurt(words("sweep run other.toml --out .")).refused(&["holds files that are no sweep's"]);
-    folder.aurt(words("sweep show .")).refused(&["holds no sweep", "aurt sweep run"]);
+    folder.run("sweep run other.toml --out .").refused(&["holds files that are no sweep's"]);
+    folder.run("sweep show .").refused(&["holds no sweep", "aurt sweep run"]);
 }
 
 /// Other points, or another program, give another plan.
 #[test]
 fn a_sweep_is_planned_again_where_it_was() {
     let folder = experiment(FEW);
-    folder.aurt(words("sweep plan experiment.toml --out swept")).succeeded();
+    folder.run("sweep plan experiment.toml --out swept").succeeded();
     let [toml, plan] = ["experiment.toml", "swept/sweep.json"].map(|file| folder.read(file));
     folder.write("experiment.toml", &toml.replace("\"none\"", "\"constant\""));
-    folder.aurt(words("sweep run experiment.toml --out swept")).succeeded();
+    folder.run("sweep run experiment.toml --out swept").succeeded();
     assert_ne!(folder.read("swept/sweep.json"), plan);
     assert!(folder.read("swept/points/0001.toml").contains("constant"));
 }
@@ -173,7 +169,7 @@ fn keys_and_values_that_cannot_be_are_underlined() {
     let folder = experiment(
         "[sweep.grid]\n\"joint_dynamics.coulomb.modell\" = [\"none\"]\n\"preprocess.f_dyn_hz\" = [5, -1]\n",
     );
-    let said = folder.aurt(words("sweep run experiment.toml --out out")).refused(&[
+    let said = folder.run("sweep run experiment.toml --out out").refused(&[
         "`modell`",
         "did you mean `model`",
         "f_dyn_hz",
@@ -186,7 +182,7 @@ fn keys_and_values_that_cannot_be_are_underlined() {
 fn a_point_that_fails_is_recorded_and_the_others_go_on() {
     // The position filter of the second point is above half the sampling rate.
     let folder = experiment("[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 2000.0, 2.5]\n");
-    let run = folder.aurt(words("sweep run experiment.toml --out out"));
+    let run = folder.run("sweep run experiment.toml --out out");
     let said = run.stdout();
     assert_eq!(run.status(), 1, "{said}");
     assert!(said.contains("points that failed") && said.contains("f_dyn_hz can be at most"), "{said}");
@@ -195,11 +191,11 @@ fn a_point_that_fails_is_recorded_and_the_others_go_on() {
     assert_eq!(table["failed"][0]["number"], 2);
     assert_eq!(folder.read("out/table.csv").lines().count(), 4);
     // It is not tried again until something changes that it depends on.
-    let again = folder.aurt(words("sweep run experiment.toml --out out"));
+    let again = folder.run("sweep run experiment.toml --out out");
     assert_eq!(again.status(), 1);
     assert!(again.stdout().contains("0 points run"), "{}", again.stdout());
-    assert_eq!(folder.aurt(words("sweep point 1 2 --out out")).status(), 1);
-    folder.aurt(words("sweep point 4 --out out")).refused(&["there is no point 4", "points 1 to 3"]);
+    assert_eq!(folder.run("sweep point 1 2 --out out").status(), 1);
+    folder.run("sweep point 4 --out out").refused(&["there is no point 4", "points 1 to 3"]);
 }
 
 /// An `sbatch` that runs the elements of the array one after the other, except those that a file names.
@@ -223,10 +219,12 @@ fn slurm_is_given_what_has_no_result_yet() {
     use std::os::unix::fs::PermissionsExt;
 
     let folder = experiment(FEW);
-    folder.aurt(words("sweep run experiment.toml --out here")).succeeded();
+    folder.run("sweep run experiment.toml --out here").succeeded();
     let submit = || {
         Command::new(env!("CARGO_BIN_EXE_aurt"))
-            .args(words("sweep run experiment.toml --out out --engine slurm --slurm-arg=--partition=short"))
+            .args(
+                "sweep run experiment.toml --out out --engine slurm --slurm-arg=--partition=short".split(' '),
+            )
             .current_dir(folder.path(""))
             .env("PATH", format!("{}:/usr/bin:/bin", folder.path("bin").display()))
             .output()
@@ -247,14 +245,14 @@ fn slurm_is_given_what_has_no_result_yet() {
     assert!(first.contains("3 of 3 points submitted as job array 41\n"), "{first}");
     let asked = folder.read("bin/asked");
     assert!(asked.contains("--array=1-3 ") && asked.contains(" --partition=short --wrap"), "{asked}");
-    let collected = folder.aurt(words("sweep collect --out out"));
+    let collected = folder.run("sweep collect --out out");
     assert_eq!(collected.status(), 1);
     assert!(collected.stdout().contains("points without a result\n  2\n"), "{}", collected.stdout());
 
     folder.write("bin/lost", "");
     let second = said(&submit().stdout);
     assert!(second.contains("1 of 3 points submitted"), "{second}");
-    folder.aurt(words("sweep collect --out out")).succeeded();
+    folder.run("sweep collect --out out").succeeded();
     assert!(said(&submit().stdout).contains("every point has its result already"));
     fs::remove_dir(folder.path("out/slurm")).unwrap();
     assert!(contents(&folder.path("out")) == contents(&folder.path("here")), "the folders differ");

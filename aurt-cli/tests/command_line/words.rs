@@ -5,79 +5,42 @@ use crate::support::Folder;
 #[test]
 fn help_names_every_command_and_each_has_an_example() {
     let folder = Folder::new();
-    let help = folder.aurt(["--help"]).succeeded().stdout();
-    for command in [
-        "run",
-        "check",
-        "sweep",
-        "diagnose",
-        "simulate",
-        "excite",
-        "completions",
-        "man",
-        "demo",
-        "compile-rbd",
-        "compile-rd",
-        "calibrate",
-        "calibrate-validate",
-        "predict",
-        "models",
-        "robots",
-        "export",
-        "explain",
-        "new-plugin",
-    ] {
+    let help = folder.run("--help").succeeded().stdout();
+    let commands = "run check sweep diagnose simulate excite completions man demo compile-rbd compile-rd calibrate \
+                    calibrate-validate predict models robots export explain new-plugin";
+    for command in commands.split(' ') {
         assert!(help.contains(&format!("  {command} ")), "{command} is missing in\n{help}");
-        let own = folder.aurt([command, "--help"]).succeeded().stdout();
-        assert!(own.contains("Example:\n  aurt "), "{own}");
+        folder.run(format!("{command} --help")).says(&["Example:\n  aurt "]);
     }
 }
 
 #[test]
 fn models_are_explained_and_unknown_ones_suggested() {
     let folder = Folder::new();
-    let square = folder.aurt(["explain", "square"]).succeeded().stdout();
-    for word in ["F_C0 + F_C1 τ_J²", "1/Nm", "Madsen", "{ model = \"square\" }", "even in the load"] {
-        assert!(square.contains(word), "`{word}` is missing in\n{square}");
-    }
-    let nmse = folder.aurt(["explain", "NMSE"]).succeeded().stdout();
-    assert!(nmse.contains("mean of |measured|"), "{nmse}");
-    folder.aurt(["explain", "sqare"]).refused(&["sqare", "did you mean `square`?", "lists what there is"]);
+    let says = |name: &str, words: &[&str]| folder.run(format!("explain {name}")).says(words);
+    says("square", &["F_C0 + F_C1 τ_J²", "1/Nm", "Madsen", "{ model = \"square\" }", "even in the load"]);
+    says("NMSE", &["mean of |measured|"]);
+    folder.run("explain sqare").refused(&["sqare", "did you mean `square`?", "lists what there is"]);
     // An effect of a diagnosis and the arm term of the same name are explained together.
-    let payload = folder.aurt(["explain", "payload"]).succeeded().stdout();
-    for word in ["What to record to be sure", "Easily confused with", "model = \"payload\""] {
-        assert!(payload.contains(word), "`{word}` is missing in\n{payload}");
-    }
+    says("payload", &["What to record to be sure", "Easily confused with", "model = \"payload\""]);
     // Keys of drives stand beside the symbols of their equation.
-    let servo = folder.aurt(["explain", "position_servo"]).succeeded().stdout();
-    for word in
-        ["K_p d(r + b − q)", "back_emf_nm_s_per_rad", "K_e: braking", "coulomb_nm", "command = \"hold\""]
-    {
-        assert!(servo.contains(word), "`{word}` is missing in\n{servo}");
-    }
+    let servo =
+        ["K_p d(r + b − q)", "back_emf_nm_s_per_rad", "K_e: braking", "coulomb_nm", "command = \"hold\""];
+    says("position_servo", &servo);
     for drive in ["current", "pd_law", "torque", "voltage"] {
-        assert!(folder.aurt(["explain", drive]).succeeded().stdout().contains("delay_s"), "{drive}");
+        says(drive, &["delay_s"]);
     }
-    folder.aurt(["explain", "position_serv"]).refused(&["did you mean `position_servo`?"]);
-    let all = folder.aurt(["explain"]).succeeded().stdout();
-    for word in [
-        "joint_elasticity",
-        "position_servo",
-        "maxwell_slip",
-        "condition_number",
-        "noise_floor",
-        "out_of_reach",
-        "unexplained",
-    ] {
-        assert!(all.contains(word), "`{word}` is missing in\n{all}");
-    }
+    folder.run("explain position_serv").refused(&["did you mean `position_servo`?"]);
+    let all =
+        "joint_elasticity position_servo maxwell_slip condition_number noise_floor out_of_reach unexplained";
+    says("", &all.split(' ').collect::<Vec<_>>());
 }
 
 #[test]
 fn wrong_arguments_leave_with_status_2() {
     let folder = Folder::new();
     folder.write("mdh.csv", "alpha,a,d\n0,0,0\n");
-    let run = |line: &str| folder.aurt(line.split_whitespace());
+    let run = |line: &str| folder.run(line);
     run("frobnicate").refused(&["frobnicate"]);
     run("compile-rbd --mdh mdh.csv --gravity 0 0 --out r.json").refused(&["three numbers", "found 2"]);
     run("compile-rbd --mdh mdh.csv --gravity 0 0 0 -9.81 --out r.json")
@@ -99,16 +62,16 @@ fn wrong_arguments_leave_with_status_2() {
 fn a_library_that_is_no_plugin_is_refused() {
     let folder = Folder::new();
     folder.write("no.so", "not a library");
-    folder.aurt(["--plugin", "no.so", "models"]).refused(&["no.so"]);
-    folder.aurt(["--plugin", "nowhere.so", "models"]).refused(&["nowhere.so"]);
+    folder.run("--plugin no.so models").refused(&["no.so"]);
+    folder.run("--plugin nowhere.so models").refused(&["nowhere.so"]);
 }
 
 #[test]
 fn wrong_arguments_are_json_for_scripts() {
     let folder = Folder::new();
-    let run = folder.aurt(["compile-rbd", "--json", "--mdh", "mdh.csv"]);
+    let run = folder.run("compile-rbd --json --mdh mdh.csv");
     assert_eq!(run.status(), 2);
-    let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    let document = run.json();
     let message = document["error"]["problems"][0]["message"].as_str().unwrap();
     assert!(message.contains("--gravity") && message.contains("--out"), "{message}");
 }
@@ -117,10 +80,9 @@ fn wrong_arguments_are_json_for_scripts() {
 fn shells_and_manual_readers_are_served() {
     let folder = Folder::new();
     for shell in ["bash", "zsh", "fish"] {
-        let script = folder.aurt(["completions", shell]).succeeded().stdout();
-        assert!(script.contains("compile-rbd") && script.contains("friction-torque-model"), "{shell}");
+        folder.run(format!("completions {shell}")).says(&["compile-rbd", "friction-torque-model"]);
     }
-    folder.aurt(["man", "--out", "man1"]).succeeded();
+    folder.run("man --out man1").succeeded();
     let page = folder.read("man1/aurt-compile-rd.1");
     assert!(page.contains("friction") && page.starts_with(".ie"), "{page}");
 }
@@ -140,7 +102,7 @@ fn keys_of_experiments_are_explained() {
         .collect();
     assert!(names.len() > 20, "{names:?}");
     for name in names {
-        let said = folder.aurt(["explain", name]).succeeded().stdout();
+        let said = folder.run(format!("explain {name}")).succeeded().stdout();
         assert!(said.lines().count() > 2, "{name}: {said}");
     }
 }
@@ -149,16 +111,12 @@ fn keys_of_experiments_are_explained() {
 fn an_experiment_that_is_not_there_is_looked_for() {
     let folder = Folder::new();
     let place = folder.path("").canonicalize().unwrap();
-    let said = folder.aurt("run nope.toml --out out".split(' ')).refused(&[
-        "nope.toml",
-        "no such file",
-        "aurt demo",
-    ]);
+    let said = folder.run("run nope.toml --out out").refused(&["nope.toml", "no such file", "aurt demo"]);
     assert!(said.contains(place.to_str().unwrap().trim_end_matches('/')), "{said}");
     folder.write("experiment.toml", "");
-    folder.aurt("run experimant.toml --out out".split(' ')).refused(&["did you mean experiment.toml?"]);
+    folder.run("run experimant.toml --out out").refused(&["did you mean experiment.toml?"]);
     folder.write("typo.toml", "");
-    let unrelated = folder.aurt("run nope.toml --out out".split(' ')).stderr();
+    let unrelated = folder.run("run nope.toml --out out").stderr();
     assert!(!unrelated.contains("did you mean"), "{unrelated}");
-    folder.aurt("diagnose no/where.toml --out out".split(' ')).refused(&["no folder no either"]);
+    folder.run("diagnose no/where.toml --out out").refused(&["no folder no either"]);
 }

@@ -15,16 +15,12 @@ impl Physics for AccelerationFriction {
     const SUMMARY: &'static str = "dry friction that grows with acceleration, as of a seal that swells";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["growth_nm_s2"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         let growth = random.between(2.0, 4.0) / drive.acceleration_limit_rad_s2;
         Self { joint, growth_nm_s2: growth * drive.torque_noise_nm }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("growth_nm_s2", vec![self.growth_nm_s2])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -19,10 +19,10 @@ impl Physics for CableDrag {
     const SUMMARY: &'static str = "a cable that pulls a joint by how two joints stand to each other";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
+    const PARAMETERS: &'static [&'static str] = &["tension_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         let other = context.joints.get(1).copied().unwrap_or(0);
         Self {
             joint,
@@ -33,10 +33,6 @@ impl Physics for CableDrag {
                 context.robot.drives[other].home_rad + random.between(-0.4, 0.4),
             ],
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("tension_nm", vec![self.tension_nm])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

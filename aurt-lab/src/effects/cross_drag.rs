@@ -16,17 +16,13 @@ impl Physics for CrossDrag {
     const SUMMARY: &'static str = "drag on a joint with the square of another's speed";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
+    const PARAMETERS: &'static [&'static str] = &["drag_nm_s2"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         let other = context.joints.get(1).copied().unwrap_or(0);
         let fast = 0.4 * context.robot.drives[other].velocity_limit_rad_s;
         Self { joint, other, drag_nm_s2: random.sign() * 2.0 * drive.torque_noise_nm / (fast * fast) }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("drag_nm_s2", vec![self.drag_nm_s2])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -19,20 +19,16 @@ impl Physics for LeakingSpring {
     const SUMMARY: &'static str = "a gas spring that loses its pressure during the recording";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "leak_s"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         Self {
             joint,
             stiffness_nm_rad: 6.0 * drive.torque_noise_nm,
             rest_rad: drive.home_rad + random.sign() * random.between(0.5, 1.2),
             leak_s: context.duration_s * random.between(0.25, 0.6),
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("leak_s", vec![self.leak_s])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -16,15 +16,11 @@ impl Physics for PeriodicDisturbance {
     const SUMMARY: &'static str = "a torque of a fixed frequency in time, whatever the joint does";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["amplitude_nm", "frequency_hz"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         Self { joint, amplitude_nm: 1.5 * drive.torque_noise_nm, frequency_hz: random.between(1.7, 6.0) }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("amplitude_nm", vec![self.amplitude_nm]), ("frequency_hz", vec![self.frequency_hz])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -16,19 +16,15 @@ impl Physics for PositionDamper {
     const SUMMARY: &'static str = "a damper whose orifice opens with the angle";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["damping_nm_s"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         Self {
             joint,
             damping_nm_s: 4.0 * drive.torque_noise_nm,
             middle_rad: drive.home_rad + random.between(-0.5, 0.5),
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("damping_nm_s", vec![self.damping_nm_s])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -16,20 +16,16 @@ impl Physics for StickingWindow {
     const SUMMARY: &'static str = "dry friction that is higher within a range of angles";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["excess_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         let start = drive.home_rad + random.between(-0.4, 0.1);
         Self {
             joint,
             excess_nm: 3.0 * drive.torque_noise_nm,
             place_rad: [start, start + random.between(0.15, 0.35)],
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("excess_nm", vec![self.excess_nm])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -37,7 +37,6 @@ pub struct Lacks {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Undeclared {
-    /// One per joint.
     pub lacks: Vec<Lacks>,
     pub bristles: BristleModel,
     /// Time constants of lubricant and housing, s.
@@ -50,13 +49,11 @@ pub struct NamedLack {
     /// The effect's identifier.
     pub identifier: &'static str,
     pub joints: Vec<usize>,
-    /// Name of its size.
     pub parameter: &'static str,
     /// The size, one per joint.
     pub values: Vec<f64>,
 }
 
-/// The identifier that errors show.
 const NAME: &str = "undeclared";
 /// Shortest and longest presliding, rad: as of the effect of that name.
 pub const PRESLIDING_RAD: [f64; 2] = [1e-4, 0.12];

@@ -33,6 +33,13 @@ const PROOF: &str = "proof.json";
 /// Its plan alone, for programs that make cases.
 const PLAN: &str = "plan.json";
 
+/// Folders of a proof, each called as it is.
+macro_rules! folders {
+    ($($(#[$doc:meta])* $name:ident,)+) => {
+        $($(#[$doc])* pub fn $name(&self) -> PathBuf { self.root.join(stringify!($name)) })+
+    };
+}
+
 impl Place {
     pub fn new(proof: &Path, world: World) -> Self {
         Self { root: proof.join(world.name()) }
@@ -47,42 +54,21 @@ impl Place {
         self.root.join(PLAN)
     }
 
-    /// Folder of the case folders, while they are needed.
-    pub fn cases(&self) -> PathBuf {
-        self.root.join("cases")
-    }
-
-    pub fn sealed(&self) -> PathBuf {
-        self.root.join("sealed")
-    }
-
-    pub fn verdicts(&self) -> PathBuf {
-        self.root.join("verdicts")
-    }
-
-    /// Folder of the verdicts of diagnoses that were not allowed to know what was in the case.
-    pub fn removed(&self) -> PathBuf {
-        self.root.join("removed")
-    }
-
-    /// Folder of the verdicts of diagnoses that examine nothing but what is in the case.
-    pub fn oracle(&self) -> PathBuf {
-        self.root.join("oracle")
-    }
-
-    /// Folder of the verdicts on cases that are written differently, variant by variant.
-    pub fn variants(&self) -> PathBuf {
-        self.root.join("variants")
-    }
-
-    /// Folder of the recordings without effects, while they are needed.
-    pub fn references(&self) -> PathBuf {
-        self.root.join("references")
-    }
-
-    /// Folder of the reasons why cases could not be made.
-    pub fn unmade(&self) -> PathBuf {
-        self.root.join("unmade")
+    folders! {
+        /// Folder of the case folders, while they are needed.
+        cases,
+        sealed,
+        verdicts,
+        /// Folder of the verdicts of diagnoses that were not allowed to know what was in the case.
+        removed,
+        /// Folder of the verdicts of diagnoses that examine nothing but what is in the case.
+        oracle,
+        /// Folder of the verdicts on cases that are written differently, variant by variant.
+        variants,
+        /// Folder of the recordings without effects, while they are needed.
+        references,
+        /// Folder of the reasons why cases could not be made.
+        unmade,
     }
 
     pub fn results(&self) -> [PathBuf; 6] {

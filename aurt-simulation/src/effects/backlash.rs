@@ -21,14 +21,11 @@ impl Physics for Backlash {
     const PRESENCE: Presence = Presence::Either;
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
     const TAKES: Takes = Takes::One;
-
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        heavy_link(robot, joint)
-    }
+    const PARAMETERS: &'static [&'static str] = &["gap_rad"];
+    const SUITS: fn(&Robot, usize) -> bool = heavy_link;
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         let stiffness = drive.gear_stiffness_nm_rad;
         Self {
             joint,
@@ -36,10 +33,6 @@ impl Physics for Backlash {
             stiffness_nm_rad: stiffness,
             damping_nm_s: gear_damping_nm_s(context.robot, joint, stiffness, random.between(0.1, 0.3)),
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("gap_rad", vec![self.gap_rad])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {

@@ -29,15 +29,12 @@ impl Physics for BaseTilt {
     const SUMMARY: &'static str = "a base that is not mounted as the experiment says";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::All;
+    const PARAMETERS: &'static [&'static str] = &["roll_rad", "pitch_rad"];
 
     fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
         let size = random.between(0.03, 0.07);
         let direction = random.between(0.0, std::f64::consts::TAU);
         Self { roll_rad: size * libm::cos(direction), pitch_rad: size * libm::sin(direction) }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("roll_rad", vec![self.roll_rad]), ("pitch_rad", vec![self.pitch_rad])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {

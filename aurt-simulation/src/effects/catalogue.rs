@@ -12,17 +12,11 @@ pub const fn catalogue() -> &'static [EffectKind] {
 }
 
 /// The kind of an identifier.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`].
 pub fn kind(identifier: &str) -> Result<&'static EffectKind, SimulationError> {
     kind_among(CATALOGUE.iter(), identifier)
 }
 
 /// The kind of an identifier among others than the catalogue's.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`].
 pub fn kind_among(
     kinds: impl Iterator<Item = &'static EffectKind> + Clone,
     identifier: &str,

@@ -15,31 +15,19 @@ impl Physics for Coulomb {
     const SUMMARY: &'static str = "dry friction that the experiment leaves out";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
-
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        constant_level(robot, joint)
-    }
+    const PARAMETERS: &'static [&'static str] = &["coulomb_nm"];
+    const SUITS: fn(&Robot, usize) -> bool = constant_level;
+    const HIDDEN: Hidden = Hidden::Coulomb;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("coulomb_nm", [0.0, 1e4])];
 
     fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
         Self { joints: context.joints.to_vec(), coulomb_nm: context.noises(1.2) }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("coulomb_nm", self.coulomb_nm.clone())]
-    }
-
-    fn hidden(&self) -> Hidden {
-        Hidden::Coulomb
-    }
-
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
-        for (joint, level) in self.joints.iter().zip(&mut self.coulomb_nm) {
-            *level = (*level * factor.on(*joint)).clamp(1e-3, 2.0 * robot.drives[*joint].coulomb_nm.max(0.1));
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        complaints.values("coulomb_nm", &self.coulomb_nm, (0.0, 1e4));
+        factor.scale(&self.joints, &mut self.coulomb_nm, |joint| {
+            [1e-3, 2.0 * robot.drives[joint].coulomb_nm.max(0.1)]
+        });
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

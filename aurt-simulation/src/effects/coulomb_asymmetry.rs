@@ -17,6 +17,8 @@ impl Physics for CoulombAsymmetry {
     const SUMMARY: &'static str = "dry friction of two levels, one for each direction";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("mean_nm", [0.0, 1e4]), ("half_difference_nm", [-1e4, 1e4])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         Self {
@@ -27,29 +29,17 @@ impl Physics for CoulombAsymmetry {
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        let with = |sign: f64| {
-            self.mean_nm.iter().zip(&self.half_difference_nm).map(|(mean, half)| mean + sign * half).collect()
-        };
-        vec![("coulomb_pos_nm", with(1.0)), ("coulomb_neg_nm", with(-1.0))]
+        let [positive, negative] = both_directions(&self.mean_nm, &self.half_difference_nm);
+        vec![("coulomb_pos_nm", positive), ("coulomb_neg_nm", negative)]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for ((joint, half), mean) in self.joints.iter().zip(&mut self.half_difference_nm).zip(&self.mean_nm) {
-            *half = (*half * factor.on(*joint)).clamp(-0.95 * mean, 0.95 * mean);
-        }
+        scale_difference(factor, &self.joints, &mut self.half_difference_nm, &self.mean_nm);
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        complaints.values("mean_nm", &self.mean_nm, (0.0, 1e4));
-        let (half, bounds) = (&self.half_difference_nm, (-1e4, 1e4));
-        complaints.values("half_difference_nm", half, bounds);
-        for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm) {
-            if half.abs() > *mean {
-                let what = format!("half_difference_nm of joint {joint}");
-                let reason = format!("beyond the mean level of {mean} Nm friction would push");
-                complaints.0.push(SimulationError::value(what, *half, reason));
-            }
-        }
+        let difference = ("half_difference_nm", &self.half_difference_nm[..]);
+        check_difference(complaints, &self.joints, difference, &self.mean_nm, ("level", "Nm"));
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -57,5 +47,33 @@ impl Physics for CoulombAsymmetry {
             setup.machine.joints[*joint].coulomb_nm = [mean + half, mean - half];
         }
         Ok(())
+    }
+}
+
+/// Values in the positive direction and in the negative one.
+pub(super) fn both_directions(means: &[f64], halves: &[f64]) -> [Vec<f64>; 2] {
+    [1.0, -1.0].map(|sign| means.iter().zip(halves).map(|(mean, half)| mean + sign * half).collect())
+}
+
+/// Multiplies half differences, and keeps friction from turning into drive.
+pub(super) fn scale_difference(factor: Factor<'_>, joints: &[usize], halves: &mut [f64], means: &[f64]) {
+    for ((joint, half), mean) in joints.iter().zip(halves).zip(means) {
+        *half = (*half * factor.on(*joint)).clamp(-0.95 * mean, 0.95 * mean);
+    }
+}
+
+/// Complains about half differences with which friction would push; `what` the mean is, and its unit.
+pub(super) fn check_difference(
+    complaints: &mut Checks<'_>,
+    joints: &[usize],
+    (name, halves): (&str, &[f64]),
+    means: &[f64],
+    (what, unit): (&str, &str),
+) {
+    for ((joint, half), mean) in joints.iter().zip(halves).zip(means) {
+        if half.abs() > *mean {
+            let reason = format!("beyond the mean {what} of {mean} {unit} friction would push");
+            complaints.0.push(SimulationError::value(format!("{name} of joint {joint}"), *half, reason));
+        }
     }
 }

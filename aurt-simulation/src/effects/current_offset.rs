@@ -15,6 +15,7 @@ impl Physics for CurrentOffset {
     const SUMMARY: &'static str = "a constant in the measured torque";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("offset_nm", [-1e4, 1e4])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         Self { joints: context.joints.to_vec(), offset_nm: context.noises(random.sign()) }
@@ -25,15 +26,10 @@ impl Physics for CurrentOffset {
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
-        for (joint, offset) in self.joints.iter().zip(&mut self.offset_nm) {
-            let most = 0.3 * robot.drives[*joint].torque_limit_nm;
-            *offset = (*offset * factor.on(*joint)).clamp(-most, most);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        let bounds = (-1e4, 1e4);
-        complaints.values("offset_nm", &self.offset_nm, bounds);
+        factor.scale(&self.joints, &mut self.offset_nm, |joint| {
+            let most = 0.3 * robot.drives[joint].torque_limit_nm;
+            [-most, most]
+        });
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

@@ -18,10 +18,9 @@ impl Physics for DriveEfficiency {
     const SUMMARY: &'static str = "gear losses that differ between driving and being driven";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
-
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        constant_level(robot, joint)
-    }
+    const PARAMETERS: &'static [&'static str] = &["driving", "driven"];
+    const SUITS: fn(&Robot, usize) -> bool = constant_level;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("driving", [0.0, 0.9]), ("driven", [0.0, 0.9])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let (large, small) = (random.between(0.1, 0.2), random.between(0.01, 0.05));
@@ -30,20 +29,10 @@ impl Physics for DriveEfficiency {
         Self { joints: context.joints.to_vec(), driving: vec![driving; joints], driven: vec![driven; joints] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("driving", self.driving.clone()), ("driven", self.driven.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         for (joint, (a, b)) in self.joints.iter().zip(self.driving.iter_mut().zip(&mut self.driven)) {
             let factor = factor.on(*joint).min(0.5 / a.max(*b).max(1e-9));
             (*a, *b) = (*a * factor, *b * factor);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        for (name, values) in [("driving", &self.driving), ("driven", &self.driven)] {
-            complaints.values(name, values, (0.0, 0.9));
         }
     }
 

@@ -14,7 +14,6 @@ use crate::sensors::{ClockFaults, Instrument};
 pub struct Setup {
     /// Bodies, drives and what acts on them.
     pub machine: Machine,
-    /// Sensors.
     pub instrument: Instrument,
     /// What goes wrong with the recording's rows.
     pub faults: ClockFaults,
@@ -46,9 +45,6 @@ pub trait Effect: Debug + Send + Sync {
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot);
 
     /// Checks that the effect can be on this robot.
-    ///
-    /// # Errors
-    /// Every complaint.
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError>;
 
     /// Puts the effect into the machine, its sensors or its logger.
@@ -78,23 +74,28 @@ impl Factor<'_> {
             Self::PerJoint(factors) => factors.get(joint).copied().unwrap_or(1.0),
         }
     }
+
+    /// Multiplies values, one for each of some joints, within the bounds on a joint.
+    pub fn scale(&self, joints: &[usize], values: &mut [f64], bounds: impl Fn(usize) -> [f64; 2]) {
+        for (joint, value) in joints.iter().zip(values) {
+            let [low, high] = bounds(*joint);
+            *value = (*value * self.on(*joint)).clamp(low, high);
+        }
+    }
 }
 
 /// A term of equation (6) that an effect stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hidden {
-    /// None.
     Nothing,
-    /// Coulomb friction.
     Coulomb,
-    /// Viscous friction.
     Viscous,
 }
 
 /// Complains about joints that the robot does not have, none at all, or one named twice.
 pub fn check_joints(complaints: &mut Complaints, effect: &str, joints: &[usize], robot: &Robot) {
     for (i, joint) in joints.iter().enumerate() {
-        complaints.joint(format!("`{effect}`"), *joint, &robot.name, robot.joints());
+        complaints.part(format!("`{effect}`"), "joint", *joint, (&robot.name, robot.joints()));
         if joints[..i].contains(joint) {
             let reason = "it is named twice";
             complaints.0.push(SimulationError::value(

@@ -18,28 +18,18 @@ impl Physics for EncoderOffset {
     const SUMMARY: &'static str = "an encoder that has lost its zero";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["offset_rad"];
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("offset_rad", [-7.0, 7.0])];
 
     /// The first joint often turns about the vertical, the last carries little: their torques hardly know their zeros.
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        (1..robot.joints() - 1).contains(&joint)
-    }
+    const SUITS: fn(&Robot, usize) -> bool = |robot, joint| (1..robot.joints() - 1).contains(&joint);
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         Self { joints: context.joints.to_vec(), offset_rad: vec![0.02 * random.sign(); context.joints.len()] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("offset_rad", self.offset_rad.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, offset) in self.joints.iter().zip(&mut self.offset_rad) {
-            *offset = (*offset * factor.on(*joint)).clamp(-LARGEST_RAD, LARGEST_RAD);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        complaints.values("offset_rad", &self.offset_rad, (-7.0, 7.0));
+        factor.scale(&self.joints, &mut self.offset_rad, |_| [-LARGEST_RAD, LARGEST_RAD]);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

@@ -25,6 +25,7 @@ impl Physics for ExternalContact {
     const SUMMARY: &'static str = "somebody or something that pushes a link for a while";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::All;
+    const PARAMETERS: &'static [&'static str] = &["link"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let last = context.robot.joints() - 1;
@@ -43,10 +44,6 @@ impl Physics for ExternalContact {
 
     fn joints(&self) -> Vec<usize> {
         (0..=self.link).collect()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("link", vec![self.link as f64])]
     }
 
     fn window_s(&self) -> Option<[f64; 2]> {

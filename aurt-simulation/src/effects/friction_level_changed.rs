@@ -18,6 +18,8 @@ impl Physics for FrictionLevelChanged {
     const SUMMARY: &'static str = "the same friction with other coefficients than at calibration";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("coulomb_change", [-1.0, 10.0]), ("viscous_change", [-1.0, 10.0])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let change = |random: &mut Random| random.between(0.08, 0.25);
@@ -35,14 +37,6 @@ impl Physics for FrictionLevelChanged {
         let joints = self.joints.iter().chain(&self.joints);
         for (joint, change) in joints.zip(self.coulomb_change.iter_mut().chain(&mut self.viscous_change)) {
             *change = (*change * factor.on(*joint)).clamp(-0.8, 3.0);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        for (name, values) in
-            [("coulomb_change", &self.coulomb_change), ("viscous_change", &self.viscous_change)]
-        {
-            complaints.values(name, values, (-1.0, 10.0));
         }
     }
 

@@ -6,7 +6,6 @@ use crate::plant::{CoupledRotor, Gear};
 #[serde(deny_unknown_fields)]
 pub struct JointCouplingFriction {
     pub joint: usize,
-    /// The other joint.
     pub partner: usize,
     /// The ratio on the other joint.
     pub ratio: f64,
@@ -24,9 +23,11 @@ impl Physics for JointCouplingFriction {
     const SUMMARY: &'static str = "a motor that turns with the motion of two joints";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
+    const PARAMETERS: &'static [&'static str] =
+        &["partner", "ratio", "inertia_kg_m2", "viscous_nm_s", "coulomb_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
+        let joint = context.drive().0;
         // A neighbour is the usual partner.
         let last = context.robot.joints() - 1;
         let neighbour =
@@ -55,16 +56,6 @@ impl Physics for JointCouplingFriction {
         let mut joints = vec![self.joint, self.partner];
         joints.sort_unstable();
         joints
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![
-            ("partner", vec![self.partner as f64]),
-            ("ratio", vec![self.ratio]),
-            ("inertia_kg_m2", vec![self.inertia_kg_m2]),
-            ("viscous_nm_s", vec![self.viscous_nm_s]),
-            ("coulomb_nm", vec![self.coulomb_nm]),
-        ]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

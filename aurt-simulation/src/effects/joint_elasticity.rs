@@ -39,10 +39,10 @@ impl Physics for JointElasticity {
     const PRESENCE: Presence = Presence::Structural;
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
     const TAKES: Takes = Takes::Few;
-
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        heavy_link(robot, joint)
-    }
+    const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "damping_nm_s"];
+    const SUITS: fn(&Robot, usize) -> bool = heavy_link;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("stiffness_nm_rad", [1.0, 1e7]), ("damping_nm_s", [0.0, 1e4])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
@@ -60,10 +60,6 @@ impl Physics for JointElasticity {
         }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("stiffness_nm_rad", self.stiffness_nm_rad.clone()), ("damping_nm_s", self.damping_nm_s.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let stiffnesses = self.stiffness_nm_rad.iter_mut().zip(&mut self.damping_nm_s);
         for (joint, (stiffness, damping)) in self.joints.iter().zip(stiffnesses) {
@@ -76,9 +72,6 @@ impl Physics for JointElasticity {
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        let (stiffness, damping) = (&self.stiffness_nm_rad, &self.damping_nm_s);
-        complaints.values("stiffness_nm_rad", stiffness, (1.0, 1e7));
-        complaints.values("damping_nm_s", damping, (0.0, 1e4));
         check_rotors(complaints, Self::IDENTIFIER, &self.joints);
     }
 

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::effect::Effect;
 use crate::error::SimulationError;
 use crate::random::Random;
-use crate::robots::{Robot, Rotors};
+use crate::robots::{Drive, Robot, Rotors};
 
 /// Families of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -21,7 +21,6 @@ pub enum Family {
     L,
     /// Inertia and gravity.
     I,
-    /// Position.
     P,
     /// Drive and instrument.
     D,
@@ -64,7 +63,6 @@ pub struct Draw<'a> {
     pub peak_torque_nm: &'a [f64],
     /// Duration of the shortest recording, s.
     pub duration_s: f64,
-    /// Where shapes are drawn from.
     pub shapes: Shapes,
 }
 
@@ -74,14 +72,14 @@ impl Draw<'_> {
         self.joints.iter().map(|j| per_noise * self.robot.drives[*j].torque_noise_nm).collect()
     }
 
-    /// Whether shapes are drawn from a continuum.
     pub fn continuous(&self) -> bool {
         self.shapes == Shapes::Continuum
     }
 
-    /// The first chosen joint.
-    pub fn joint(&self) -> usize {
-        self.joints.first().copied().unwrap_or(0)
+    /// The first chosen joint, and its drive.
+    pub fn drive(&self) -> (usize, &Drive) {
+        let joint = self.joints.first().copied().unwrap_or(0);
+        (joint, &self.robot.drives[joint])
     }
 }
 
@@ -90,11 +88,9 @@ impl Draw<'_> {
 pub enum Takes {
     /// One or, more rarely, two.
     Few,
-    /// One.
     One,
     /// A joint and another.
     Pair,
-    /// All.
     All,
 }
 
@@ -104,13 +100,10 @@ pub struct EffectKind {
     /// Identifier, snake_case.
     pub identifier: &'static str,
     pub family: Family,
-    /// One line.
     pub summary: &'static str,
-    /// In which recordings it can be.
     pub presence: Presence,
     /// Where the rotors' inertia has to be, if that matters.
     pub rotors: Option<Rotors>,
-    /// How many joints it takes.
     pub takes: Takes,
     /// Whether it can be on a joint.
     pub suits: fn(&Robot, usize) -> bool,

@@ -15,29 +15,17 @@ impl Physics for LoadDependentFriction {
     const SUMMARY: &'static str = "dry friction that grows with the torque that the gear transmits";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
-
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        constant_level(robot, joint)
-    }
+    const PARAMETERS: &'static [&'static str] = &["load_coefficient"];
+    const SUITS: fn(&Robot, usize) -> bool = constant_level;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("load_coefficient", [0.0, 0.9])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let coefficient = random.between(0.06, 0.15);
         Self { joints: context.joints.to_vec(), load_coefficient: vec![coefficient; context.joints.len()] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("load_coefficient", self.load_coefficient.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, coefficient) in self.joints.iter().zip(&mut self.load_coefficient) {
-            *coefficient = (*coefficient * factor.on(*joint)).min(0.45);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        let (values, bounds) = (&self.load_coefficient, (0.0, 0.9));
-        complaints.values("load_coefficient", values, bounds);
+        factor.scale(&self.joints, &mut self.load_coefficient, |_| [f64::NEG_INFINITY, 0.45]);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

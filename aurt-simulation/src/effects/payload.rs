@@ -32,6 +32,7 @@ impl Physics for Payload {
     const SUMMARY: &'static str = "a body fixed to a link";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::All;
+    const PARAMETERS: &'static [&'static str] = &["mass_kg", "link"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let last = context.robot.joints() - 1;
@@ -47,10 +48,6 @@ impl Physics for Payload {
 
     fn joints(&self) -> Vec<usize> {
         (0..=self.link).collect()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("mass_kg", vec![self.mass_kg]), ("link", vec![self.link as f64])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {

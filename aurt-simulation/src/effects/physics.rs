@@ -19,20 +19,20 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
     /// Identifier, snake_case.
     const IDENTIFIER: &'static str;
     const FAMILY: Family;
-    /// One line.
     const SUMMARY: &'static str;
-    /// In which recordings it can be.
     const PRESENCE: Presence;
     /// Where the rotors' inertia has to be, if that matters.
     const ROTORS: Option<Rotors> = None;
-    /// How many joints it takes.
     const TAKES: Takes;
 
+    /// Its parameters, by the names of their fields.
+    const PARAMETERS: &'static [&'static str] = &[];
+    /// Fields with a value for each joint, and the bounds of these.
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[];
+    /// Terms of the robot's own friction that it stands for, as [`Effect::hidden`].
+    const HIDDEN: Hidden = Hidden::Nothing;
     /// Whether it can be on a joint.
-    fn suits(robot: &Robot, joint: usize) -> bool {
-        let _ = (robot, joint);
-        true
-    }
+    const SUITS: fn(&Robot, usize) -> bool = |_, _| true;
 
     /// An effect of medium strength, as far as that can be said beforehand.
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self;
@@ -44,9 +44,16 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
         joints.iter().filter_map(Value::as_u64).map(|joint| joint as usize).collect()
     }
 
-    /// As [`Effect::parameters`].
+    /// As [`Effect::parameters`]: the fields that [`Self::PARAMETERS`] names.
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
+        Self::PARAMETERS.iter().map(|name| (*name, self.numbers(name))).collect()
+    }
+
+    /// The number of a field, or its numbers.
+    fn numbers(&self, field: &str) -> Vec<f64> {
+        let fields = serde_json::to_value(self).unwrap_or_default();
+        let numbers = fields[field].as_array().map_or(std::slice::from_ref(&fields[field]), Vec::as_slice);
+        numbers.iter().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
     }
 
     /// As [`Effect::window_s`].
@@ -54,17 +61,14 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
         None
     }
 
-    /// As [`Effect::hidden`].
-    fn hidden(&self) -> Hidden {
-        Hidden::Nothing
-    }
-
     /// As [`Effect::scale`].
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot);
 
-    /// Complains about values that cannot be on this robot. The joints of an effect that takes one or a few are
-    /// checked before.
-    fn check(&self, complaints: &mut Checks<'_>);
+    /// Complains about what cannot be on this robot. The joints of an effect that takes one or a few and
+    /// [`Self::VALUES`] are checked before.
+    fn check(&self, complaints: &mut Checks<'_>) {
+        let _ = complaints;
+    }
 
     /// As [`Effect::install`].
     ///
@@ -91,7 +95,7 @@ impl<P: Physics> Effect for P {
     }
 
     fn hidden(&self) -> Hidden {
-        P::hidden(self)
+        P::HIDDEN
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
@@ -103,6 +107,10 @@ impl<P: Physics> Effect for P {
         let mut checks = Checks { found: Complaints::default(), effect: P::IDENTIFIER, joints, robot };
         if matches!(P::TAKES, Takes::One | Takes::Few) {
             check_joints(&mut checks.found, P::IDENTIFIER, &checks.joints, robot);
+        }
+        for (name, [low, high]) in P::VALUES {
+            let bounds = (*low, *high);
+            check_values(&mut checks.found, P::IDENTIFIER, name, &checks.joints, &self.numbers(name), bounds);
         }
         self.check(&mut checks);
         checks.found.finish()
@@ -118,7 +126,6 @@ impl<P: Physics> Effect for P {
 }
 
 impl EffectKind {
-    /// The kind of a type of effects.
     #[must_use]
     pub const fn of<P: Physics>() -> Self {
         Self {
@@ -128,7 +135,7 @@ impl EffectKind {
             presence: P::PRESENCE,
             rotors: P::ROTORS,
             takes: P::TAKES,
-            suits: P::suits,
+            suits: P::SUITS,
             draw: |context, random| Box::new(P::draw(context, random)),
             read: |fields| Ok(Box::new(serde_json::from_value::<P>(fields)?)),
         }
@@ -145,15 +152,10 @@ pub struct Checks<'a> {
 }
 
 impl Checks<'_> {
-    /// Complains unless the field `name` has one value per joint of the effect, each between `low` and `high`.
-    pub fn values(&mut self, name: &str, values: &[f64], (low, high): (f64, f64)) {
-        check_values(&mut self.found, self.effect, name, &self.joints, values, (low, high));
-    }
-
     /// Complains about a link that the robot does not have.
     pub fn link(&mut self, link: usize) {
         let Robot { name, links, .. } = self.robot;
-        self.found.link(format!("`{}`", self.effect), link, name, links.len());
+        self.found.part(format!("`{}`", self.effect), "link", link, (name, links.len()));
     }
 
     /// Complains about joints that the robot does not have, none at all, or one named twice.

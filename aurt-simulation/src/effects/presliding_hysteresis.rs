@@ -6,11 +6,9 @@ use crate::plant::bristles::{Gms, LuGre, Masing};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BristleModel {
-    /// LuGre.
     Lugre,
     /// Generalised Maxwell slip, eight elements.
     Gms,
-    /// Masing's rules.
     Masing,
 }
 
@@ -61,6 +59,7 @@ impl Physics for PreslidingHysteresis {
     const SUMMARY: &'static str = "dry friction that builds up along the way after a reversal";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("distance_rad", [1e-5, 1.0])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let model = match random.index(3) {
@@ -83,14 +82,10 @@ impl Physics for PreslidingHysteresis {
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, distance) in self.joints.iter().zip(&mut self.distance_rad) {
-            *distance = (*distance * factor.on(*joint)).clamp(DISTANCES_RAD.0, DISTANCES_RAD.1);
-        }
+        factor.scale(&self.joints, &mut self.distance_rad, |_| [DISTANCES_RAD.0, DISTANCES_RAD.1]);
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        let distances = &self.distance_rad;
-        complaints.values("distance_rad", distances, (1e-5, 1.0));
         complaints.within("damping of the bristles", self.damping_share, 0.0, 1.0);
     }
 

@@ -16,24 +16,15 @@ impl Physics for RotorInertia {
     const PRESENCE: Presence = Presence::Structural;
     const ROTORS: Option<Rotors> = Some(Rotors::InLinks);
     const TAKES: Takes = Takes::Few;
+    const PARAMETERS: &'static [&'static str] = &["inertia_kg_m2"];
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("inertia_kg_m2", [0.0, 1e3])];
 
     fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
         Self { joints: context.joints.to_vec(), inertia_kg_m2: context.noises(0.7) }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("inertia_kg_m2", self.inertia_kg_m2.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, inertia) in self.joints.iter().zip(&mut self.inertia_kg_m2) {
-            *inertia = (*inertia * factor.on(*joint)).min(6.0);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        let (values, bounds) = (&self.inertia_kg_m2, (0.0, 1e3));
-        complaints.values("inertia_kg_m2", values, bounds);
+        factor.scale(&self.joints, &mut self.inertia_kg_m2, |_| [f64::NEG_INFINITY, 6.0]);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

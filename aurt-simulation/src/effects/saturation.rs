@@ -18,7 +18,7 @@ impl Physics for Saturation {
     const TAKES: Takes = Takes::One;
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
+        let joint = context.drive().0;
         let peak_nm = context.peak_torque_nm.get(joint).copied().unwrap_or(1.0).max(1e-3);
         Self { joint, limit_nm: peak_nm * random.between(0.65, 0.8), peak_nm }
     }

@@ -17,19 +17,15 @@ impl Physics for Spring {
     const SUMMARY: &'static str = "a spring across a joint";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "rest_rad"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         Self {
             joint,
             stiffness_nm_rad: 4.0 * drive.torque_noise_nm,
             rest_rad: drive.home_rad + random.between(-0.5, 0.5),
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("rest_rad", vec![self.rest_rad])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

@@ -24,6 +24,8 @@ impl Physics for Stribeck {
     const SUMMARY: &'static str = "static friction above Coulomb's, which falls as the joint gets going";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("excess_nm", [0.0, 1e4]), ("coulomb_nm", [0.0, 1e4])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let (stribeck_velocity_rad_s, exponent) = if context.continuous() {
@@ -57,8 +59,6 @@ impl Physics for Stribeck {
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        complaints.values("excess_nm", &self.excess_nm, (0.0, 1e4));
-        complaints.values("coulomb_nm", &self.coulomb_nm, (0.0, 1e4));
         complaints.within("Stribeck velocity in rad/s", self.stribeck_velocity_rad_s, 1e-3, 2.0);
         complaints.within("exponent of the Stribeck curve", self.exponent, 0.3, 4.0);
     }

@@ -39,6 +39,7 @@ impl Physics for TemperatureDependentFriction {
     const SUMMARY: &'static str = "friction that falls as the joint warms up";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("fall_per_k", [0.0, 0.5])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let (least, most) = if context.continuous() { (0.1, 2.0) } else { (0.25, 0.7) };
@@ -56,14 +57,10 @@ impl Physics for TemperatureDependentFriction {
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, fall) in self.joints.iter().zip(&mut self.fall_per_k) {
-            *fall = (*fall * factor.on(*joint)).min(0.12);
-        }
+        factor.scale(&self.joints, &mut self.fall_per_k, |_| [f64::NEG_INFINITY, 0.12]);
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        let bounds = (0.0, 0.5);
-        complaints.values("fall_per_k", &self.fall_per_k, bounds);
         complaints.within("share of dry friction in warming", self.dry_share, 0.0, 2.0);
         for constant in self.time_constants_s {
             complaints.within("time constant of warming in s", constant, 0.1, 1e6);

@@ -14,13 +14,10 @@ impl Physics for TimeDelay {
     const SUMMARY: &'static str = "measured torques that lag behind the positions";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::All;
+    const PARAMETERS: &'static [&'static str] = &["delay_s"];
 
     fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
         Self { delay_s: random.between(0.004, 0.008) }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("delay_s", vec![self.delay_s])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {

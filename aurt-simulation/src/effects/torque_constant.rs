@@ -15,25 +15,16 @@ impl Physics for TorqueConstant {
     const SUMMARY: &'static str = "a torque constant that is not what the experiment says";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
+    const PARAMETERS: &'static [&'static str] = &["gain_error"];
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("gain_error", [-0.9, 9.0])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let gain_error = context.joints.iter().map(|_| random.sign() * random.between(0.05, 0.12)).collect();
         Self { joints: context.joints.to_vec(), gain_error }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("gain_error", self.gain_error.clone())]
-    }
-
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for (joint, error) in self.joints.iter().zip(&mut self.gain_error) {
-            *error = (*error * factor.on(*joint)).clamp(-0.5, 1.0);
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        let bounds = (-0.9, 9.0);
-        complaints.values("gain_error", &self.gain_error, bounds);
+        factor.scale(&self.joints, &mut self.gain_error, |_| [-0.5, 1.0]);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

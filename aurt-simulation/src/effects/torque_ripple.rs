@@ -21,10 +21,10 @@ impl Physics for TorqueRipple {
     const SUMMARY: &'static str = "torque that repeats with the angle of the shaft";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
+    const PARAMETERS: &'static [&'static str] = &["order", "amplitude_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        let joint = context.joint();
-        let drive = &context.robot.drives[joint];
+        let (joint, drive) = context.drive();
         // The motor's revolution, the gear's two waves of it, and slower ones of bearings.
         if context.continuous() {
             // Teeth and poles make whole orders; belts, rollers and wave generators with slip make broken ones.
@@ -45,10 +45,6 @@ impl Physics for TorqueRipple {
             phase_rad: random.between(0.0, std::f64::consts::TAU),
             overtone: if random.chance(0.5) { random.between(0.0, 0.5) } else { 0.0 },
         }
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("order", vec![self.order]), ("amplitude_nm", vec![self.amplitude_nm])]
     }
 
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {

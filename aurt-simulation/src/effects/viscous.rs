@@ -16,29 +16,18 @@ impl Physics for Viscous {
     const SUMMARY: &'static str = "viscous friction that the experiment leaves out";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
+    const PARAMETERS: &'static [&'static str] = &["viscous_nm_s"];
+    const HIDDEN: Hidden = Hidden::Viscous;
+    const VALUES: &'static [(&'static str, [f64; 2])] = &[("viscous_nm_s", [0.0, 1e4])];
 
     fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
         Self { joints: context.joints.to_vec(), viscous_nm_s: context.noises(2.0) }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        vec![("viscous_nm_s", self.viscous_nm_s.clone())]
-    }
-
-    fn hidden(&self) -> Hidden {
-        Hidden::Viscous
-    }
-
     fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
-        for (joint, slope) in self.joints.iter().zip(&mut self.viscous_nm_s) {
-            *slope =
-                (*slope * factor.on(*joint)).clamp(1e-3, 3.0 * robot.drives[*joint].viscous_nm_s.max(0.1));
-        }
-    }
-
-    fn check(&self, complaints: &mut Checks<'_>) {
-        let bounds = (0.0, 1e4);
-        complaints.values("viscous_nm_s", &self.viscous_nm_s, bounds);
+        factor.scale(&self.joints, &mut self.viscous_nm_s, |joint| {
+            [1e-3, 3.0 * robot.drives[joint].viscous_nm_s.max(0.1)]
+        });
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

@@ -1,3 +1,4 @@
+use super::coulomb_asymmetry::{both_directions, check_difference, scale_difference};
 use super::declaring::*;
 use crate::plant::ViscousLaw;
 
@@ -18,6 +19,8 @@ impl Physics for ViscousAsymmetry {
     const SUMMARY: &'static str = "viscous friction of two slopes, one for each direction";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("mean_nm_s", [0.0, 1e4]), ("half_difference_nm_s", [-1e4, 1e4])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let mut effect = Self {
@@ -30,35 +33,17 @@ impl Physics for ViscousAsymmetry {
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        let with = |sign: f64| {
-            self.mean_nm_s
-                .iter()
-                .zip(&self.half_difference_nm_s)
-                .map(|(mean, half)| mean + sign * half)
-                .collect()
-        };
-        vec![("viscous_pos_nm_s", with(1.0)), ("viscous_neg_nm_s", with(-1.0))]
+        let [positive, negative] = both_directions(&self.mean_nm_s, &self.half_difference_nm_s);
+        vec![("viscous_pos_nm_s", positive), ("viscous_neg_nm_s", negative)]
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
-        for ((joint, half), mean) in
-            self.joints.iter().zip(&mut self.half_difference_nm_s).zip(&self.mean_nm_s)
-        {
-            *half = (*half * factor.on(*joint)).clamp(-0.95 * mean, 0.95 * mean);
-        }
+        scale_difference(factor, &self.joints, &mut self.half_difference_nm_s, &self.mean_nm_s);
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        complaints.values("mean_nm_s", &self.mean_nm_s, (0.0, 1e4));
-        let (half, bounds) = (&self.half_difference_nm_s, (-1e4, 1e4));
-        complaints.values("half_difference_nm_s", half, bounds);
-        for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm_s) {
-            if half.abs() > *mean {
-                let what = format!("half_difference_nm_s of joint {joint}");
-                let reason = format!("beyond the mean slope of {mean} Nm s/rad friction would push");
-                complaints.0.push(SimulationError::value(what, *half, reason));
-            }
-        }
+        let difference = ("half_difference_nm_s", &self.half_difference_nm_s[..]);
+        check_difference(complaints, &self.joints, difference, &self.mean_nm_s, ("slope", "Nm s/rad"));
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {

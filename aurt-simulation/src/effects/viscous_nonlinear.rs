@@ -42,6 +42,8 @@ impl Physics for ViscousNonlinear {
         "viscous friction that bends off with speed, as of shear-thinning lubricant";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
+    const VALUES: &'static [(&'static str, [f64; 2])] =
+        &[("bend_nm", [0.0, 1e4]), ("slope_nm_s", [0.0, 1e4]), ("reference_rad_s", [1e-3, 1e3])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
@@ -65,9 +67,6 @@ impl Physics for ViscousNonlinear {
 
     fn check(&self, complaints: &mut Checks<'_>) {
         let (name, joints) = (Self::IDENTIFIER, &self.joints);
-        complaints.values("bend_nm", &self.bend_nm, (0.0, 1e4));
-        complaints.values("slope_nm_s", &self.slope_nm_s, (0.0, 1e4));
-        complaints.values("reference_rad_s", &self.reference_rad_s, (1e-3, 1e3));
         complaints.within("onset of the bend", self.onset, 1e-3, 10.0);
         if !complaints.0.is_empty() {
             return;

@@ -12,9 +12,6 @@ impl Added {
     /// What is added to the measured torque (or current), `[joint][sample]`.
     ///
     /// Laws of drives and instruments act on what was measured; what they add is the difference that they make.
-    ///
-    /// # Errors
-    /// If the rigid bodies refuse.
     pub fn torque(&self, scene: &Scene, measured: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SimulationError> {
         match &self.law {
             Law::RotorInertia
@@ -39,9 +36,6 @@ impl Added {
 }
 
 /// The recording with effects; those that take rows out of it come last.
-///
-/// # Errors
-/// As [`Added::torque`].
 pub fn applied(
     effects: &[&Added],
     scene: &Scene,

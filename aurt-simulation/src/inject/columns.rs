@@ -9,11 +9,11 @@ use crate::{error::SimulationError, robots::Robot};
 /// The columns of a structure along motions: base inertial parameters, then the joints' terms.
 #[derive(Debug, Clone)]
 pub struct StructureColumns {
-    bodies: Arc<dyn RigidBodyRegressor>,
+    pub(super) bodies: Arc<dyn RigidBodyRegressor>,
     base: BaseParameters,
     structure: Structure,
     /// Standard inertial parameters that give the load of load-dependent friction.
-    standard: Vec<f64>,
+    pub(super) standard: Vec<f64>,
     /// For each joint, the coefficients of its row, ascending: base parameters, then Coulomb, viscous, rotor, load.
     rows: Vec<Vec<usize>>,
     coefficients: usize,
@@ -41,9 +41,6 @@ impl StructureColumns {
     }
 
     /// The columns for a simulated robot's geometry, gravity and bodies.
-    ///
-    /// # Errors
-    /// Errors of the rigid bodies.
     pub fn of_robot(robot: &Robot, structure: &Structure) -> Result<Self, SimulationError> {
         let columns = Self::new(Arc::new(robot.chain()?), structure.clone())?;
         Ok(Self { standard: robot.standard_parameters(), ..columns })
@@ -62,14 +59,6 @@ impl StructureColumns {
     #[must_use]
     pub fn row(&self, joint: usize) -> &[usize] {
         &self.rows[joint]
-    }
-
-    pub(super) const fn bodies(&self) -> &Arc<dyn RigidBodyRegressor> {
-        &self.bodies
-    }
-
-    pub(super) fn standard(&self) -> &[f64] {
-        &self.standard
     }
 
     /// Sets the standard inertial parameters from coefficients: base parameters in the places of the standard ones that they are named after,

@@ -24,10 +24,10 @@ impl Injection {
             && match kind.identifier {
                 "load_dependent_friction" | "drive_efficiency" => figures.load > 2.0 * left,
                 "temperature_dependent_friction" | "friction_level_changed" => {
-                    self.model.coulomb()[joint] > 0.0
+                    self.model.coulomb[joint] > 0.0
                 }
-                "coulomb_asymmetry" => self.model.coulomb()[joint] > 0.0,
-                "viscous_asymmetry" => self.model.viscous()[joint] > 0.0,
+                "coulomb_asymmetry" => self.model.coulomb[joint] > 0.0,
+                "viscous_asymmetry" => self.model.viscous[joint] > 0.0,
                 "joint_elasticity" => figures.inertia > 0.0,
                 _ => true,
             }
@@ -44,7 +44,7 @@ impl Injection {
                 .collect();
             random.choose(&moving).copied().unwrap_or((joint + 1) % joints)
         };
-        let last = self.model.standard().len() / INERTIAL_PARAMETERS - 1;
+        let last = self.model.columns.standard.len() / INERTIAL_PARAMETERS - 1;
         let (law, size) = match kind.identifier {
             "coulomb" => (Law::Coulomb, left),
             "coulomb_asymmetry" => (Law::CoulombAsymmetry, left),
@@ -68,11 +68,11 @@ impl Injection {
             }
             "temperature_dependent_friction" => (
                 Law::TemperatureDependentFriction { origin_s: log_between(random, 2.0, 20.0) },
-                left / self.model.coulomb()[joint],
+                left / self.model.coulomb[joint],
             ),
             "friction_level_changed" => (
                 Law::FrictionLevelChanged { viscous: random.between(0.5, 2.0) },
-                left / self.model.coulomb()[joint],
+                left / self.model.coulomb[joint],
             ),
             "joint_coupling_friction" => {
                 let law = Law::JointCouplingFriction {
@@ -166,8 +166,8 @@ impl Injection {
                 0.9 / libm::log(1.0 + self.longest_s / origin_s).max(1e-9)
             }
             Law::FrictionLevelChanged { viscous } if added.sign < 0.0 => 0.9 / viscous.max(1.0),
-            Law::CoulombAsymmetry => 0.95 * self.model.coulomb()[added.joint],
-            Law::ViscousAsymmetry => 0.95 * self.model.viscous()[added.joint],
+            Law::CoulombAsymmetry => 0.95 * self.model.coulomb[added.joint],
+            Law::ViscousAsymmetry => 0.95 * self.model.viscous[added.joint],
             // A softer joint swings at the motion's own frequencies, and gravity acts at another angle than measured.
             Law::JointElasticity { .. } => self.compliance(added.joint, 1.5),
             Law::LoadDependentFriction | Law::DriveEfficiency { .. } | Law::TorqueConstant => 0.6,

@@ -11,7 +11,6 @@ pub struct Gram {
 const RIDGE: f64 = 1e-11;
 
 impl Gram {
-    /// No rows yet.
     #[must_use]
     pub fn new(coefficients: usize) -> Self {
         Self { matrix: DMatrix::zeros(coefficients, coefficients), right: DVector::zeros(coefficients) }
@@ -42,7 +41,6 @@ impl Gram {
         }
     }
 
-    /// The coefficients.
     #[must_use]
     pub fn solve(&self) -> Vec<f64> {
         let n = self.right.len();

@@ -79,7 +79,6 @@ impl Injection {
         &self.model
     }
 
-    /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.figures.len()

@@ -10,7 +10,6 @@ use crate::error::SimulationError;
 pub struct Kind {
     pub identifier: &'static str,
     pub family: Family,
-    /// In which recordings it can be.
     pub presence: Presence,
     /// Whether the vocabulary has it.
     pub in_vocabulary: bool,

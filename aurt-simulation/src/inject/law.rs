@@ -143,7 +143,6 @@ pub enum Law {
 /// An effect that is added to recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Added {
-    /// Its shape.
     pub law: Law,
     /// The joint that it is on; of effects of the whole arm, any.
     pub joint: usize,

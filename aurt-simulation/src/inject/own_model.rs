@@ -4,7 +4,6 @@
 use std::sync::Arc;
 
 use aurt_recording::{Preprocessed, Segment};
-use aurt_traits::RigidBodyRegressor;
 
 use super::columns::StructureColumns;
 use super::gram::{Gram, mean_square};
@@ -14,10 +13,11 @@ use crate::error::SimulationError;
 /// The experiment's structure fitted to the recordings as they are.
 #[derive(Debug, Clone)]
 pub struct OwnModel {
-    columns: StructureColumns,
+    pub(super) columns: StructureColumns,
     coefficients: Vec<f64>,
-    coulomb: Vec<f64>,
-    viscous: Vec<f64>,
+    /// Fitted Coulomb and viscous friction, per joint; 0 where the structure has none.
+    pub(super) coulomb: Vec<f64>,
+    pub(super) viscous: Vec<f64>,
     /// Root mean square of what is left, per joint.
     left_rms: Vec<f64>,
 }
@@ -62,31 +62,6 @@ impl OwnModel {
         Ok(model)
     }
 
-    /// The rigid bodies under gravity.
-    #[must_use]
-    pub const fn bodies(&self) -> &Arc<dyn RigidBodyRegressor> {
-        self.columns.bodies()
-    }
-
-    /// Standard inertial parameters that give the fitted rigid-body torques: base parameters in the places of the
-    /// standard ones that they are named after, nothing elsewhere.
-    #[must_use]
-    pub fn standard(&self) -> &[f64] {
-        self.columns.standard()
-    }
-
-    /// Fitted Coulomb friction, per joint; 0 where the structure has none.
-    #[must_use]
-    pub fn coulomb(&self) -> &[f64] {
-        &self.coulomb
-    }
-
-    /// Fitted viscous friction, per joint.
-    #[must_use]
-    pub fn viscous(&self) -> &[f64] {
-        &self.viscous
-    }
-
     /// Root mean square of what the structure leaves of all recordings after the usual filters, per joint: the unit of
     /// an injected effect's strength.
     #[must_use]
@@ -95,9 +70,6 @@ impl OwnModel {
     }
 
     /// The rows of a recording.
-    ///
-    /// # Errors
-    /// If a series cannot be filtered.
     pub fn rows_of(&self, recording: &Preprocessed) -> Result<Rows, SimulationError> {
         let joints = self.columns.joints();
         let mut rows = Rows {

@@ -39,9 +39,6 @@ pub struct RealRecording {
 
 impl RealExperiment {
     /// A recording after this experiment's preprocessing.
-    ///
-    /// # Errors
-    /// [`SimulationError::Preprocessing`].
     pub fn preprocessed(&self, recording: &Recording) -> Result<Preprocessed, SimulationError> {
         preprocess(recording, &self.options)
             .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
@@ -72,11 +69,8 @@ impl RealExperiment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointStructure {
-    /// Coulomb friction.
     pub coulomb: bool,
-    /// Viscous friction.
     pub viscous: bool,
-    /// Rotor inertia.
     pub rotor: bool,
     /// Dry friction in proportion to the load.
     pub load: bool,
@@ -86,7 +80,6 @@ pub struct JointStructure {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
-    /// One per joint.
     pub joints: Vec<JointStructure>,
 }
 

@@ -29,25 +29,23 @@ pub(super) const CREEP_RAD_S: f64 = 5e-3;
 
 impl Scene {
     pub(super) fn new(motion: Smoothed, model: &OwnModel) -> Result<Self, SimulationError> {
-        let bodies = Arc::clone(model.bodies());
-        let load = torque(&*bodies, &moving(&motion)?, model.standard());
+        let bodies = Arc::clone(&model.columns.bodies);
+        let load = torque(&*bodies, &moving(&motion)?, &model.columns.standard);
         Ok(Self {
             motion,
             load,
             bodies,
-            standard: model.standard().to_vec(),
-            coulomb: model.coulomb().to_vec(),
-            viscous: model.viscous().to_vec(),
+            standard: model.columns.standard.clone(),
+            coulomb: model.coulomb.clone(),
+            viscous: model.viscous.clone(),
         })
     }
 
-    /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.motion.joints()
     }
 
-    /// Number of samples.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.motion.samples()

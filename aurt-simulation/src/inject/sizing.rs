@@ -12,9 +12,7 @@ use crate::random::Random;
 /// An effect of the wanted strength.
 #[derive(Debug, Clone)]
 pub struct Built {
-    /// What it is.
     pub kind: Kind,
-    /// The effect.
     pub added: Added,
     /// Strength on each joint.
     pub achieved: Vec<f64>,

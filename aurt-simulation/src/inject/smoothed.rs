@@ -12,7 +12,6 @@ use crate::error::SimulationError;
 /// (1 + x) e^{−x}, x = (ω s)²/2, so that it is 3 dB down at ω s = 1.48.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// Time stamps, s.
     pub time_s: Vec<f64>,
     /// q, `[joint][sample]`, rad.
     pub position_rad: Vec<Vec<f64>>,
@@ -108,13 +107,11 @@ impl Smoothed {
         })
     }
 
-    /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.position_rad.len()
     }
 
-    /// Number of samples.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.time_s.len()

@@ -18,7 +18,6 @@ pub enum ModelDrive {
     /// A controller that knows the model: what the model itself needs for the motion, and a
     /// proportional–derivative loop with the damping ratio 1.
     Follow {
-        /// The commanded motion.
         motion: Motion,
         /// Bandwidth of the loop, Hz.
         bandwidth_hz: f64,

@@ -19,8 +19,7 @@ pub use drive::ModelDrive;
 use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use torque::Torque;
 
 /// Half the width of the velocities that count as rest, rad/s.
@@ -54,7 +53,6 @@ pub struct MovingModel<'a> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ModelMotion {
     pub time_s: Vec<f64>,
-    /// Angles, rad.
     pub position_rad: Vec<Vec<f64>>,
     pub velocity_rad_s: Vec<Vec<f64>>,
     /// What drives the joints, in the unit that the model was calibrated in.

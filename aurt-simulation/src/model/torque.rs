@@ -18,7 +18,6 @@ impl<'m> Torque<'m> {
         Self { moving, memory: RobotState::default(), tile: RobotTile::default(), evaluations: 0 }
     }
 
-    /// Begins a motion.
     pub fn start(&mut self, q: &[f64], v: &[f64], time_s: f64) -> Result<(), SimulationError> {
         self.memory = RobotState::default();
         self.accept(q, v, &vec![0.0; q.len()], time_s)

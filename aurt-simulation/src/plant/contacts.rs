@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::arm::LOCKED_KG_M2;
 use super::dynamics::{Mode, Plant};
-use super::machine::{Gear, Instant};
+use super::machine::Gear;
 use crate::error::SimulationError;
 
 /// Excess over a level that rounding explains, relative and in Nm.
@@ -188,14 +188,7 @@ impl Plant {
         if contact >= n {
             return [self.machine.couplings[contact - n].coulomb_nm; 2];
         }
-        let at = Instant {
-            time_s,
-            shaft_rad: &self.shaft_rad,
-            shaft_rad_s: &self.shaft_rad_s,
-            q_rad: &state[..n],
-            qd_rad_s: &state[n..2 * n],
-            last_qdd_rad_s2: &self.last_qdd_rad_s2,
-        };
+        let at = self.instant(time_s, state);
         let physics = &self.machine.joints[contact];
         let load = self.load_nm(state, contact);
         [-1.0, 1.0].map(|direction| {

@@ -3,8 +3,7 @@
 use aurt_rbd::ChainDynamics;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::robots::Robot;
 use crate::trajectory::Trajectory;
 
@@ -43,9 +42,6 @@ impl Default for Controller {
 
 impl Controller {
     /// Checks that the gains make sense.
-    ///
-    /// # Errors
-    /// Every complaint.
     pub fn validate(&self) -> Result<(), SimulationError> {
         let mut complaints = Complaints::default();
         complaints.within("controller bandwidth in Hz", self.bandwidth_hz, 0.1, 60.0);

@@ -135,6 +135,13 @@ impl Plant {
         2 * (self.joints + self.compliant.len())
     }
 
+    /// What physics may depend on in a state whose shafts have been read.
+    pub fn instant<'a>(&'a self, time_s: f64, state: &'a [f64]) -> Instant<'a> {
+        let (q_rad, qd_rad_s) = (&state[..self.joints], &state[self.joints..2 * self.joints]);
+        let (shaft_rad, shaft_rad_s) = (&self.shaft_rad[..], &self.shaft_rad_s[..]);
+        Instant { time_s, shaft_rad, shaft_rad_s, q_rad, qd_rad_s, last_qdd_rad_s2: &self.last_qdd_rad_s2 }
+    }
+
     /// Where the velocity of a joint's shaft stands in the state.
     pub fn shaft_velocity_index(&self, joint: usize) -> usize {
         match self.compliant.iter().position(|c| *c == joint) {
@@ -423,14 +430,7 @@ impl Plant {
             let velocity = self.shaft_rad_s[j];
             let physics = &self.machine.joints[j];
             if let Some(bristle) = &physics.bristle {
-                let at = Instant {
-                    time_s,
-                    shaft_rad: &self.shaft_rad,
-                    shaft_rad_s: &self.shaft_rad_s,
-                    q_rad: &state[..n],
-                    qd_rad_s: &state[n..2 * n],
-                    last_qdd_rad_s2: &self.last_qdd_rad_s2,
-                };
+                let at = self.instant(time_s, state);
                 let direction = if velocity < 0.0 { -1.0 } else { 1.0 };
                 let way = Stretch {
                     moved_rad: self.shaft_rad[j] - self.shaft_then_rad[j],

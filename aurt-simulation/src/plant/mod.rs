@@ -33,8 +33,7 @@ use controller::TrackingLoop;
 use dynamics::{Command, Plant};
 use step::Integrator;
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::trajectory::Trajectory;
 
 /// Distance of the samples of [`Traces`], s.
@@ -45,7 +44,6 @@ const LARGEST_ERROR_RAD: f64 = 0.5;
 /// What happened, every [`TRACE_STEP_S`], without any sensor: series of N values a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traces {
-    /// Number of joints N.
     pub joints: usize,
     /// Number of samples, [`TRACE_STEP_S`] apart.
     pub samples: usize,

@@ -19,8 +19,7 @@ use aurt_rbd::{ChainDynamics, JointKind, LinkBody, MdhRow, MdhRows, MdhTable, Se
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 
 /// A robot as it is built: geometry, bodies, drives and what its limits and sensors are.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,9 +100,6 @@ pub enum Rotors {
 
 impl Robot {
     /// The robot of a name.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownRobot`].
     pub fn named(name: &str) -> Result<Self, SimulationError> {
         Self::all().into_iter().find(|robot| robot.name == name).ok_or_else(|| {
             SimulationError::UnknownRobot {
@@ -128,7 +124,7 @@ impl Robot {
         gravity_m_s2: [f64; 3],
         limits: &[MotionLimits],
     ) -> Self {
-        let ball = body(1.0, [0.0; 3], [4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]);
+        let balls = vec![[1.0, 0.0, 0.0, 0.0, 4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]; mdh.len()];
         let drive = |limits: &MotionLimits| Drive {
             gear_ratio: 1.0,
             rotor_inertia_kg_m2: 0.0,
@@ -149,7 +145,7 @@ impl Robot {
         };
         Self {
             name: name.into(),
-            links: vec![ball; mdh.len()],
+            links: bodies(&balls),
             mdh,
             gravity_m_s2,
             drives: limits.iter().map(drive).collect(),
@@ -164,16 +160,12 @@ impl Robot {
         Self::of_geometry(name, vec![row(0.0, 0.0, 0.0); limits.len()], [0.0; 3], limits)
     }
 
-    /// Number of joints N.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.drives.len()
     }
 
     /// The kinematic chain under the robot's gravity.
-    ///
-    /// # Errors
-    /// Whatever [`SerialChain::from_mdh`] says.
     pub fn chain(&self) -> Result<SerialChain, SimulationError> {
         let table = MdhTable { rows: self.mdh.clone(), reading: MdhRows::Next };
         Ok(SerialChain::from_mdh(&table, self.gravity_m_s2)?)
@@ -187,9 +179,6 @@ impl Robot {
 
     /// What each link's joint alone would have to accelerate at home, the other joints free and without any
     /// rotor: 1/(M⁻¹)_jj, kg m².
-    ///
-    /// # Errors
-    /// Whatever the rigid bodies say.
     pub fn link_inertia_kg_m2(&self) -> Result<Vec<f64>, SimulationError> {
         let n = self.joints();
         let home: Vec<f64> = self.drives.iter().map(|d| d.home_rad).collect();
@@ -276,9 +265,14 @@ fn row(alpha_rad: f64, a_m: f64, d_m: f64) -> MdhRow {
     MdhRow { kind: JointKind::Revolute, alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
 }
 
-/// A body from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
-fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
-    LinkBody { mass_kg, com_m, inertia_at_com_kg_m2 }
+/// Bodies, each from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
+fn bodies(rows: &[[f64; 10]]) -> Vec<LinkBody> {
+    let body = |&[mass_kg, x, y, z, xx, xy, xz, yy, yz, zz]: &[f64; 10]| LinkBody {
+        mass_kg,
+        com_m: [x, y, z],
+        inertia_at_com_kg_m2: [xx, xy, xz, yy, yz, zz],
+    };
+    rows.iter().map(body).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use aurt_traits::MeasurementUnit;
 
-use super::{Drive, Robot, body, row};
+use super::{Drive, Robot, bodies, row};
 
 /// Two rods of 1 m that turn about parallel horizontal axes; torques in Nm.
 ///
@@ -30,10 +30,10 @@ pub fn two_link() -> Robot {
         name: "two_link".into(),
         mdh: vec![row(0.0, 0.0, 0.0), row(0.0, 1.0, 0.0)],
         gravity_m_s2: [0.0, -9.81, 0.0],
-        links: vec![
-            body(5.0, [0.5, 0.0, 0.0], [0.00225, 0.0, 0.0, 0.4178, 0.0, 0.4178]),
-            body(3.0, [0.5, 0.0, 0.0], [0.00135, 0.0, 0.0, 0.2507, 0.0, 0.2507]),
-        ],
+        links: bodies(&[
+            [5.0, 0.5, 0.0, 0.0, 0.00225, 0.0, 0.0, 0.4178, 0.0, 0.4178],
+            [3.0, 0.5, 0.0, 0.0, 0.00135, 0.0, 0.0, 0.2507, 0.0, 0.2507],
+        ]),
         drives: vec![drive(6.0, 5.0, 0.8, 0.8, -1.2), drive(3.0, 2.5, 0.3, 0.4, 0.6)],
         unit: MeasurementUnit::NewtonMetre,
     }

@@ -1,8 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::current::{DriveRipple, NoiseMemory};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::robots::Robot;
 
 /// The sensors of one joint.
@@ -39,7 +38,6 @@ pub struct Channel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Instrument {
-    /// One per joint.
     pub channels: Vec<Channel>,
     /// How much later than the position the torque is measured that stands in the same row: the row of time t
     /// holds q(t) and u(t − delay), s; may be negative.
@@ -91,10 +89,6 @@ impl Instrument {
         (torque_nm / (1.0 + channel.gain_error) + channel.offset_nm).clamp(-limit, limit)
     }
 
-    /// Checks that the sensors can be built.
-    ///
-    /// # Errors
-    /// Every complaint.
     pub fn validate(&self) -> Result<(), SimulationError> {
         let mut complaints = Complaints::default();
         complaints.within("delay of the torque in s", self.torque_delay_s, -0.5, 0.5);

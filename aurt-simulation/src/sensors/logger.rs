@@ -5,8 +5,7 @@ use super::csv::push_decimal;
 use super::current::Wander;
 use super::faults::{ClockFaults, Fate};
 use super::instrument::Instrument;
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::plant::{TRACE_STEP_S, Traces};
 use crate::random::Random;
 
@@ -64,10 +63,8 @@ const VELOCITY_NOISE_RAD_S: f64 = 1e-3;
 /// A recording as a logger wrote it: row after row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedRecording {
-    /// Number of joints N.
     pub joints: usize,
     pub unit: MeasurementUnit,
-    /// Time stamps, s.
     pub time_s: Vec<f64>,
     /// Angles, N a row, rad.
     pub position_rad: Vec<f64>,
@@ -80,10 +77,6 @@ pub struct SimulatedRecording {
 }
 
 impl Logger {
-    /// Checks that such a logger can exist.
-    ///
-    /// # Errors
-    /// Every complaint.
     pub fn validate(&self) -> Result<(), SimulationError> {
         let mut complaints = Complaints::default();
         complaints.within("rate of the logger in Hz", self.rate_hz, 1.0, FASTEST_HZ);
@@ -103,9 +96,6 @@ impl Logger {
     }
 
     /// Records what happened.
-    ///
-    /// # Errors
-    /// As [`Self::validate`] and [`Instrument::validate`].
     pub fn record(
         &self,
         traces: &Traces,
@@ -264,7 +254,6 @@ impl SimulatedRecording {
         self.measurement.extend_from_slice(&row.measurement);
     }
 
-    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.time_s.len()

@@ -6,8 +6,7 @@ use nalgebra::DMatrix;
 
 use super::multi_sine::{MultiSine, MultiSineOptions, draw_amplitudes};
 use super::{Path, Trajectory};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::Robot;
 
@@ -24,7 +23,6 @@ pub struct ExcitationOptions {
 /// A well conditioned excitation.
 #[derive(Debug, Clone)]
 pub struct Excitation {
-    /// The motion.
     pub trajectory: Trajectory,
     /// Condition number of the base regressor over it, columns scaled to equal length.
     pub condition_number: f64,
@@ -62,9 +60,6 @@ pub fn excite(
 
 /// The same for rigid bodies that are not the robot's chain, such as one in which joints follow others: of the robot are
 /// the limits of the joints that move on their own.
-///
-/// # Errors
-/// As [`excite`].
 pub fn excite_bodies(
     robot: &Robot,
     bodies: &dyn RigidBodyRegressor,

@@ -1,7 +1,6 @@
 use super::sequence::SHORTEST_WAY_S;
 use super::{MultiSineOptions, Trajectory, check_options, multi_sine, point_to_point};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::Robot;
 

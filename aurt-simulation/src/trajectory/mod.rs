@@ -25,7 +25,6 @@ use crate::robots::Robot;
 
 /// A twice differentiable function of time for all joints.
 pub trait Path: Debug + Send + Sync {
-    /// Number of joints.
     fn joints(&self) -> usize;
 
     /// Duration in s; before 0 and after it the path rests.
@@ -138,7 +137,6 @@ impl Trajectory {
         Self(Arc::new(path))
     }
 
-    /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {
         self.0.joints()

@@ -1,6 +1,5 @@
 use super::{Path, Trajectory, check_options};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::Robot;
 
