@@ -182,7 +182,7 @@ fn visible_beside(residual: &[JointResidual], visible: &[VisibleGear]) -> Vec<Vi
     let is_open = |joint: usize| residual.iter().any(|r| r.joint == joint && r.structure_left);
     let beside = |gear: &VisibleGear| match is_open(gear.joint) {
         true => VisibleGear { joint: gear.joint, below_nm_rad: None, beyond_rad: None },
-        false => gear.clone(),
+        false => *gear,
     };
     visible.iter().map(beside).collect()
 }
