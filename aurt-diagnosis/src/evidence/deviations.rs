@@ -1,6 +1,6 @@
 //! How far coefficients may be off: memory and misfit of the residual, and not white noise alone.
 
-use crate::evidence::linear::solve_signed;
+use crate::evidence::linear::{Cholesky, solve_signed};
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
@@ -59,6 +59,31 @@ impl Resampled {
             .map(|(k, variance)| (variance * correlated).sqrt().max(self.std(|c| c[k])))
             .collect()
     }
+}
+
+/// The covariance A P Aᵀ that switches have beside a given model, column-major; `None` where that is exact.
+pub(crate) fn beside_given(problem: &Problem, switches: &[Switch], weights: &[f64]) -> Option<Vec<f64>> {
+    let given = problem.given.as_ref()?;
+    let (n, m) = (given.n, switches.len());
+    let own: Vec<Switch> =
+        (0..n).map(|column| Switch { column, target_only: false, nonnegative: false }).collect();
+    let cholesky = Cholesky::new(&problem.cross(problem.total(), switches, switches, weights), m);
+    let products = problem.cross(problem.total(), switches, &own, weights);
+    // A, a column of it for each own coefficient.
+    let taken: Vec<f64> = products.chunks_exact(m.max(1)).flat_map(|c| cholesky.solve(c)).collect();
+    let mut spread = vec![0.0; m * n];
+    for (column, covariance) in spread.chunks_exact_mut(m.max(1)).zip(given.matrix.chunks_exact(n)) {
+        for (of_own, p) in taken.chunks_exact(m.max(1)).zip(covariance).filter(|(_, p)| **p != 0.0) {
+            column.iter_mut().zip(of_own).for_each(|(s, a)| *s += p * a);
+        }
+    }
+    let mut covariance = vec![0.0; m * m];
+    for (of_own, spread) in taken.chunks_exact(m.max(1)).zip(spread.chunks_exact(m.max(1))) {
+        for (b, value) in spread.iter().enumerate() {
+            of_own.iter().zip(&mut covariance[b * m..(b + 1) * m]).for_each(|(a, c)| *c += a * value);
+        }
+    }
+    Some(covariance)
 }
 
 #[cfg(test)]

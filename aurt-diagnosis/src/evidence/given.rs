@@ -7,9 +7,6 @@
 use aurt_calibration::Calibration;
 
 use crate::evidence::gram::dot;
-use crate::evidence::linear::Cholesky;
-use crate::evidence::problem::Problem;
-use crate::hypotheses::group::Switch;
 use crate::recordings::rows::{JointRows, Layout, RecordingRows};
 
 /// The covariance P of a given model's coefficients, n × n, which are the first columns of every model that extends it.
@@ -45,29 +42,5 @@ impl GivenCovariance {
             (joints().map(|joint| self.sum_of_squares(joint, columns)).sum::<f64>() / counted.max(1.0)).sqrt()
         };
         layout.rows.iter().enumerate().map(of_joint).collect()
-    }
-
-    /// The covariance A P Aᵀ of switches, column-major.
-    pub(crate) fn beside(&self, problem: &Problem, switches: &[Switch], weights: &[f64]) -> Vec<f64> {
-        let (n, m) = (self.n, switches.len());
-        let own: Vec<Switch> =
-            (0..n).map(|column| Switch { column, target_only: false, nonnegative: false }).collect();
-        let cholesky = Cholesky::new(&problem.cross(problem.total(), switches, switches, weights), m);
-        let products = problem.cross(problem.total(), switches, &own, weights);
-        // A, a column of it for each own coefficient.
-        let taken: Vec<f64> = products.chunks_exact(m.max(1)).flat_map(|c| cholesky.solve(c)).collect();
-        let mut spread = vec![0.0; m * n];
-        for (column, covariance) in spread.chunks_exact_mut(m.max(1)).zip(self.matrix.chunks_exact(n)) {
-            for (of_own, p) in taken.chunks_exact(m.max(1)).zip(covariance).filter(|(_, p)| **p != 0.0) {
-                column.iter_mut().zip(of_own).for_each(|(s, a)| *s += p * a);
-            }
-        }
-        let mut covariance = vec![0.0; m * m];
-        for (of_own, spread) in taken.chunks_exact(m.max(1)).zip(spread.chunks_exact(m.max(1))) {
-            for (b, value) in spread.iter().enumerate() {
-                of_own.iter().zip(&mut covariance[b * m..(b + 1) * m]).for_each(|(a, c)| *c += a * value);
-            }
-        }
-        covariance
     }
 }

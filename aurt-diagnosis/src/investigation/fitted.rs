@@ -3,7 +3,7 @@
 use aurt_traits::RobotModel;
 
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::deviations::Resampled;
+use crate::evidence::deviations::{Resampled, beside_given};
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
@@ -46,7 +46,7 @@ impl Fitted {
         let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
         let mut deviations = resampled.deviations(&fit, independent_share);
-        let of_given = problem.given.as_ref().map(|given| given.beside(problem, &switches, &weights));
+        let of_given = beside_given(problem, &switches, &weights);
         for (k, deviation) in deviations.iter_mut().enumerate() {
             let variance = of_given.as_ref().map_or(0.0, |c| c[k * (switches.len() + 1)].max(0.0));
             *deviation = deviation.hypot(variance.sqrt());

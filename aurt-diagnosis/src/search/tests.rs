@@ -1,10 +1,13 @@
 //! Selection on rows whose physics is known.
 
+use std::sync::Arc;
+
 use super::ground::{Beside, Ground};
 use super::selection::{Selection, Selector};
 use crate::effects;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;
+use crate::evidence::deviations::beside_given;
 use crate::evidence::given::GivenCovariance;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::judge::Judge;
@@ -301,7 +304,7 @@ fn a_fit_without_an_error_is_finite() {
 #[test]
 fn a_given_model_that_may_be_off_widens_what_is_fitted_beside_it() {
     let given = GivenCovariance { n: 1, matrix: vec![0.04] };
-    let rows = Rows::new(vec![recording(Role::Target, 9, &[0.0, 0.0])]);
+    let mut rows = Rows::new(vec![recording(Role::Target, 9, &[0.0, 0.0])]);
     let joint = &rows.rows[0].joints[0];
     let (x, z) = joint.data.split_at(ROWS);
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -309,6 +312,7 @@ fn a_given_model_that_may_be_off_widens_what_is_fitted_beside_it() {
     assert!((squares - 0.04 * product(x, x)).abs() < 1e-9 * squares, "{squares}");
     let fitted = rows.partition.fitted().flat_map(|(_, start, end)| start..end);
     let (zx, zz) = fitted.fold((0.0, 0.0), |(zx, zz), k| (zx + z[k] * x[k], zz + z[k] * z[k]));
-    let variance = given.beside(&rows.problem, &[switch(1, true)], &[1.0])[0];
+    rows.problem.given = Some(Arc::new(given));
+    let variance = beside_given(&rows.problem, &[switch(1, true)], &[1.0]).unwrap()[0];
     assert!((variance - 0.04 * (zx / zz).powi(2)).abs() < 1e-9 * variance && variance > 0.0, "{variance}");
 }
