@@ -165,8 +165,9 @@ fn excludes(parameters: &Parameters, reach_m: f64) -> Option<String> {
     let Some(com_m) = parameters.get("com_m") else {
         let moments = parameters.get("first_moment_kg_m").map(entries).unwrap_or_default();
         let has_mass = moments.into_iter().any(|(value, std)| is_determined(value, std));
-        return (!has_mass)
-            .then(|| "neither mass nor first moments of the load differ from zero by two standard deviations".into());
+        return (!has_mass).then(|| {
+            "neither mass nor first moments of the load differ from zero by two standard deviations".into()
+        });
     };
     let length = |of: &Value| -> Option<f64> {
         let squares = of.as_array()?.iter().map(|v| v.as_f64().map(|v| v * v));
