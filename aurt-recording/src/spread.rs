@@ -16,14 +16,14 @@ const STRETCH_ROWS: usize = 1 << 14;
 /// end.
 #[derive(Debug)]
 pub struct Stretches {
-    kept: Kept,
+    kept: KeptStretches,
     /// The whole recording as long as nothing is cut, or what the file's report says of it, without rows.
     rest: Recording,
 }
 
 /// Stretches that are kept, with their places.
 #[derive(Debug, Default)]
-struct Kept {
+struct KeptStretches {
     /// One of this many is kept; 0 where the recording is to stay whole.
     every: usize,
     next: usize,
@@ -40,7 +40,7 @@ impl Stretches {
         if !options.recorded.joined.is_empty() {
             return read_recording(path, options).map(Self::whole);
         }
-        let mut kept = Kept { every: 1, ..Kept::default() };
+        let mut kept = KeptStretches { every: 1, ..KeptStretches::default() };
         // Whole stretches a piece.
         let piece_rows = most_rows.clamp(1, usize::MAX / 2).next_multiple_of(STRETCH_ROWS);
         let mut visit = |piece: &Recording| {
@@ -58,7 +58,7 @@ impl Stretches {
     /// A recording of which nothing is left out, however long it is.
     #[must_use]
     pub fn whole(recording: Recording) -> Self {
-        Self { kept: Kept::default(), rest: recording }
+        Self { kept: KeptStretches::default(), rest: recording }
     }
 
     /// Rows that are kept.
@@ -103,7 +103,7 @@ impl Stretches {
     }
 }
 
-impl Kept {
+impl KeptStretches {
     /// Cuts a piece into stretches and keeps those whose turn it is.
     fn push(&mut self, piece: &Recording, most_rows: usize) {
         // Readers hold back a row here and there, so that pieces are no exact multiples.

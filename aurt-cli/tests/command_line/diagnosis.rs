@@ -60,7 +60,8 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
 /// the exponent.
 #[test]
 fn the_law_of_stribeck_friction_is_that_of_the_robot() {
-    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\nstrengths = ['strong']\ntrials = 1\n";
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['stribeck']\n\
+                strengths = ['strong']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 4);
     let hidden = &truth(&folder, "case_0001")["effects"][0];
     let found = verdict(&folder, "case_0001", &[]);
@@ -164,6 +165,17 @@ fn an_encoder_that_has_lost_its_zero_is_found_with_its_offset() {
     let [value, std] = ["value", "std"].map(|key| offset[key].as_f64().unwrap());
     assert!((value - OFFSET_RAD).abs() < 3.0 * std && std < 0.003, "{offset}");
     assert!(folder.read("out/improved.toml").contains("around_rad"));
+    // Beside a given model the law is as exact.
+    folder.write("reference.toml", &toml.replace(listed, ""));
+    folder.run("run reference.toml --out reference").succeeded();
+    let later = toml.replace("\"exciting_motion.csv\"", "\"other_motion.csv\"");
+    folder.write("given.toml", &later.replace(listed, "validation = [\"point_to_point.csv\"]"));
+    folder.run("diagnose given.toml --model reference/rd_calibrated.json --out given");
+    let verdict = folder.json("given/verdict.json");
+    assert_eq!(verdict["effects"].as_array().map(Vec::len), Some(1), "{verdict}");
+    let offset = &verdict["effects"][0]["parameters"]["offset_rad"];
+    let [value, std] = ["value", "std"].map(|key| offset[key].as_f64().unwrap());
+    assert!((value - OFFSET_RAD).abs() < 3.0 * std && std < 0.005, "{verdict}");
 }
 
 /// A load that the held-out recording alone shows: the fitted recordings lack nothing, and no part of the answer says so of all.
@@ -363,7 +375,8 @@ fn short_and_empty_recordings_are_no_excuse() {
 /// With an effect withheld its detector masks nothing.
 #[test]
 fn a_contact_that_may_not_be_named_is_not_masked_either() {
-    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
+    let plan = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\n\
+                strengths = ['strong']\ntrials = 1\n";
     let folder = Folder::new().with_concealed(plan, 2026);
     let case = "case_0001";
     let joints = truth(&folder, case)["effects"][0]["joints"].clone();
@@ -372,6 +385,8 @@ fn a_contact_that_may_not_be_named_is_not_masked_either() {
     let without = verdict(&folder, case, &["--without", "external_contact"]);
     let effects = without["effects"].as_array().unwrap();
     assert!(effects.iter().all(|e| e["effect"] != "external_contact"), "{without}");
+    // What it leaves in the targets is not missing in all recordings.
+    assert_eq!([&without["verdict"], &without["structure"]], ["unexplained", "no_mismatch"], "{without}");
     let rms = |of: &Value, joint: usize| of["residual"][joint]["unexplained_rms"].as_f64().unwrap();
     let larger = |joint: &Value| {
         let joint = joint.as_u64().unwrap() as usize;

@@ -49,6 +49,18 @@ fn targets_and_held_out_recordings_are_named() {
     assert!(!text.contains("window_s"), "{text}");
 }
 
+/// A recording of the robot as it was says nothing of what has changed.
+#[test]
+fn beside_targets_no_recording_of_the_unchanged_robot_is_held_out() {
+    let folder = Folder::new().with_demo(&["mdh.csv", LOGS[0], LOGS[1], "later_motion.csv"]);
+    let more = [&CONSTANTS[..], &["--target", "later_motion.csv"]].concat();
+    let said = one_line(&folder.aurt(init(&LOGS, &more)).succeeded().stdout());
+    assert!(said.contains("the diagnosis holds out the last quarter of each target"), "{said}");
+    let text = folder.read("experiment.toml");
+    let (calibration, _) = text.split_once("target = [").unwrap();
+    assert!(LOGS.iter().all(|log| calibration.contains(log)) && !text.contains("validation"), "{text}");
+}
+
 /// `init` prints the error of the experiment that it writes, which has no rotors; its search for mistakes adds them.
 #[test]
 fn the_printed_error_is_that_of_the_experiment() {

@@ -4,11 +4,11 @@ use serde_json::Value;
 
 use crate::support::Folder;
 
-const PLAN: &str = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\nstrengths = ['strong']\ntrials = 4\n";
+const PLAN: &str = "[recordings]\nduration_s = 10.0\n[singles]\nrobots = ['ur10e', 'tx40']\neffects = ['backlash']\n\
+                    strengths = ['strong']\ntrials = 4\n";
 
 /// The diagnosis that may not name play does not look for it either: it has no reason to say that something is
-/// unexplained but what it shows, which is structure on a joint, an effect or a registered model. In the last of these
-/// cases the play strikes above the filters, and leaves nothing in the rows below them once its windows are left out.
+/// unexplained but what it shows, which is structure on a joint, an effect or a registered model.
 #[test]
 fn an_effect_that_is_withheld_is_not_looked_for() {
     let folder = Folder::new().with_concealed(PLAN, 3);

@@ -93,8 +93,9 @@ const ALONE_S: f64 = 0.5;
 
 /// Finds contacts in recordings, the clearest first.
 ///
-/// The noise level of each joint and the background are those of all recordings together, or of a recording alone where
-/// that has more, so the recordings should belong to one robot and one fit: what is left throughout a recording is no contact. Windows are exact to about a row (2 rows where the filters are slow).
+/// The background is that of all recordings together, and so is the noise level of each joint, unless a recording has more: a
+/// contact does not last throughout a recording. The recordings should belong to one robot and one fit. Windows are exact to about
+/// a row (2 rows where the filters are slow).
 #[must_use]
 pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -> Vec<Contact> {
     let mut usable: Vec<Vec<Vec<bool>>> = recordings.iter().map(|r| usable_rows(r, options)).collect();

@@ -247,3 +247,14 @@ fn what_repeats_with_the_motion_is_no_contact() {
     }
     assert_eq!(search(&recordings).len(), 1, "the same in one recording alone is");
 }
+
+/// A recording that keeps ten times as much throughout has no contact in it for that.
+#[test]
+fn a_recording_with_more_noise_than_the_others_is_not_touched() {
+    for seed in 0..8 {
+        let mut recordings: Vec<_> =
+            (0..4).map(|r| (rows(seed + r), background(&rows(seed + r), 7 * seed + r, 0.97))).collect();
+        recordings[3].1.iter_mut().flatten().for_each(|e| *e *= 10.0);
+        assert_eq!(search(&recordings), [], "seed {seed}");
+    }
+}

@@ -22,6 +22,7 @@
 //!   mass.
 //! - `base_tilt`: gravity alone, and on a vertical first axis, too.
 //! - `external_contact`: local in time.
+//! - `rotor_inertia`: inertia about the joint's own axis alone, without a mass.
 //!
 //! # What to record to be sure
 //! The same motion with and without the load, on the same day. A load may be turned on the flange between two
@@ -219,6 +220,9 @@ mod tests {
         let nothing =
             of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
         assert!(excludes(&nothing, 1.0).unwrap().contains("two standard deviations"), "{nothing:?}");
+        let mut rotor = nothing;
+        rotor.insert("inertia_kg_m2".to_owned(), ParameterValue::new([0.0, 0.0, 0.0, 0.0, 0.0, 0.4], [0.01; 6]));
+        assert!(excludes(&rotor, 1.0).is_some(), "inertia without a mass: {rotor:?}");
     }
 
     #[test]

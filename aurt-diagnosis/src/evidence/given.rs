@@ -1,8 +1,9 @@
-//! What a given model's coefficients may be off by, and what is fitted beside them therefore.
+//! The errors of a given model's coefficients.
 //!
-//! A model that is not refitted errs by X δ, where δ has the covariance P of its own calibration. That is neither noise nor
-//! anything that it lacks: residuals have xᵀPx more of mean square, and coefficients γ of columns Z that are fitted beside
-//! it take up A δ, with A = (ZᵀWZ)⁻¹ZᵀWX, so that their covariance is larger by A P Aᵀ.
+//! A model that is not refitted errs by X δ, where δ has the covariance P of its own calibration. The model lacks nothing for
+//! that: the mean square of residuals is larger by xᵀPx, and coefficients γ of columns Z that are fitted beside
+//! the model take up A δ, with A = (ZᵀWZ)⁻¹ZᵀWX, so that their covariance is larger by A P Aᵀ
+//! ([`beside_given`](crate::evidence::deviations::beside_given)).
 
 use aurt_calibration::Calibration;
 
@@ -17,14 +18,14 @@ pub(crate) struct GivenCovariance {
 }
 
 impl GivenCovariance {
-    /// That of a calibration; `None` where it is not known. Coefficients that were not excited are taken as they are.
+    /// The covariance that a calibration states, if it does. Coefficients that were not excited are taken as exact.
     pub(crate) fn of(calibration: &Calibration) -> Option<Self> {
         let matrix = calibration.covariance_matrix()?;
         let known = matrix.into_iter().map(|v| if v.is_finite() { v } else { 0.0 }).collect();
         Some(Self { n: calibration.parameters.len(), matrix: known })
     }
 
-    /// Sum of xᵀPx over the rows of a joint, which has these `columns` of the model.
+    /// Sum of xᵀPx over the rows of a joint that has these `columns` of the model.
     pub(crate) fn sum_of_squares(&self, joint: &JointRows, columns: &[usize]) -> f64 {
         let own = || columns.iter().enumerate().filter(|(_, column)| **column < self.n);
         let of_pair = |((a, of_a), (b, of_b)): ((usize, &usize), (usize, &usize))| {

@@ -66,11 +66,12 @@ impl Judged {
             noise_exceeds_all |= exceeds_all(rows, &floor);
             let left = left(question, &baseline, rows);
             notes.extend(bounded(&rows.name, &mut floor, &left, question.names()));
-            for (j, (floor, left)) in floor.iter_mut().zip(left).enumerate().filter(|_| given.is_some()) {
-                let own = question.model.row_columns(j);
-                let off = given.as_ref().map_or(0.0, |given| given.sum_of_squares(&rows.joints[j], own));
-                let counted = rows.joints[j].counted(0, rows.rows()).max(1.0);
-                *floor = left.map_or(*floor, |left| left.min(*floor + off / counted));
+            if let Some(given) = &given {
+                for (j, (floor, left)) in floor.iter_mut().zip(left).enumerate() {
+                    let Some(left) = left else { continue };
+                    let off = given.sum_of_squares(&rows.joints[j], question.model.row_columns(j));
+                    *floor = left.min(*floor + off / rows.joints[j].counted(0, rows.rows()));
+                }
             }
             floors.push(floor);
         }

@@ -15,7 +15,7 @@ pub struct Problem {
     pub(super) training: Vec<[Vec<Moments>; 2]>,
     local: Vec<Vec<usize>>,
     pub(super) joints: usize,
-    /// What the coefficients of a given model may be off by.
+    /// Covariance of the coefficients of a given model, if it is known.
     pub(crate) given: Option<Arc<GivenCovariance>>,
 }
 

@@ -300,7 +300,7 @@ fn a_fit_without_an_error_is_finite() {
     assert!((fit.coefficients[0] - 2.0).abs() < 1e-9 && weights[0].is_finite(), "{fit:?}");
 }
 
-/// What is fitted beside a given model takes up what that is off by: γ = (zᵀz)⁻¹zᵀx δ.
+/// A coefficient beside a given model takes up a part of its error: γ = (zᵀz)⁻¹zᵀx δ.
 #[test]
 fn a_given_model_that_may_be_off_widens_what_is_fitted_beside_it() {
     let given = GivenCovariance { n: 1, matrix: vec![0.04] };

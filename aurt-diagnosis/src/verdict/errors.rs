@@ -44,7 +44,7 @@ impl Errors {
         Self { change: Some(of.structure(&whole, 1, &usual)), structure }
     }
 
-    /// Whether the targets keep more on a joint than the robot was used to.
+    /// True if the targets keep more on a joint than the model of an unchanged arm would.
     pub(crate) fn is_of_targets(&self, joint: usize) -> bool {
         self.change.as_ref().is_some_and(|joints| joints.contains(&joint))
     }

@@ -151,8 +151,8 @@ pub fn track(
     let sources = experiment.recordings.fitted_and_held_out();
     let sources: Vec<Source> = sources.map(|(source, _)| source.clone()).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    let Unchanged { motions: unchanged, without, base, notes } =
-        Unchanged::read(calibrated, sources, &options, progress)?;
+    let UnchangedMachine { motions: unchanged, without, base, notes } =
+        UnchangedMachine::read(calibrated, sources, &options, progress)?;
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
@@ -233,7 +233,7 @@ pub fn track(
 
 /// Recordings of the unchanged machine.
 #[derive(Default)]
-struct Unchanged {
+struct UnchangedMachine {
     /// The recordings of each motion.
     motions: Vec<Vec<NamedRecording>>,
     /// The joints of each recording whose rows do not count.
@@ -243,7 +243,7 @@ struct Unchanged {
     notes: Vec<String>,
 }
 
-impl Unchanged {
+impl UnchangedMachine {
     fn read(
         calibrated: &CalibratedModel,
         sources: Vec<Source>,
