@@ -221,7 +221,10 @@ mod tests {
             of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
         assert!(excludes(&nothing, 1.0).unwrap().contains("two standard deviations"), "{nothing:?}");
         let mut rotor = nothing;
-        rotor.insert("inertia_kg_m2".to_owned(), ParameterValue::new([0.0, 0.0, 0.0, 0.0, 0.0, 0.4], [0.01; 6]));
+        rotor.insert(
+            "inertia_kg_m2".to_owned(),
+            ParameterValue::new([0.0, 0.0, 0.0, 0.0, 0.0, 0.4], [0.01; 6]),
+        );
         assert!(excludes(&rotor, 1.0).is_some(), "inertia without a mass: {rotor:?}");
     }
 
