@@ -1,6 +1,6 @@
 //! Rigid bodies whose inertial parameters are known: the bodies around which a term is linear in an angle.
 
-use aurt_traits::{ModelError, MotionView, Result, RigidBodyRegressor};
+use aurt_traits::{ArmSeries, ModelError, Motion, MotionView, Result, RigidBodyRegressor};
 
 /// Indices of standard parameters are below this, whatever the robot: a thousand links.
 const MOST_STANDARD: usize = 10_000;
@@ -40,6 +40,21 @@ impl KnownBodies<'_> {
         complaints
     }
 
+    /// Every complaint about the values around which the torque is exact, one for each of so many joints; none may be given.
+    pub fn around_complaints(self, key: &str, around: &[f64], joints: usize) -> Vec<ModelError> {
+        let model = self.model;
+        let mut complaints = Vec::new();
+        if !around.is_empty() && around.len() != joints {
+            let what = format!("{key} of `{model}` (one a joint)");
+            complaints.push(ModelError::count(what, joints, around.len()));
+        }
+        if let Some(value) = around.iter().find(|v| !v.is_finite()) {
+            let reason = format!("must be numbers, contain {value}");
+            complaints.push(ModelError::parameter(model, key, reason));
+        }
+        complaints
+    }
+
     /// All standard parameters of a rigid body that has `standard` of them.
     ///
     /// # Errors
@@ -65,4 +80,28 @@ pub(crate) fn torque(body: &dyn RigidBodyRegressor, motion: MotionView<'_>, stan
     let mut torque = vec![0.0; body.joints() * samples];
     body.torque(motion, standard, &mut torque, samples);
     torque
+}
+
+/// Half the step of a central difference in an angle, rad: its error is h²/6 ≈ 2·10⁻⁷ of the torque, above the rounding of
+/// ε/h ≈ 2·10⁻¹³.
+pub(crate) const STEP_RAD: f64 = 1e-3;
+
+/// τ of bodies as in [`torque`], one of whose joints stands further by `by_rad` of each sample.
+///
+/// # Errors
+/// What a motion of such positions is refused for.
+pub(crate) fn turned(
+    series: &ArmSeries<'_>,
+    standard: &[f64],
+    joint: usize,
+    by_rad: impl Fn(usize) -> f64,
+) -> Result<Vec<f64>> {
+    let view = series.motion;
+    let all = |of: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> { (0..view.joints()).flat_map(of).collect() };
+    let shift = |j: usize, k: usize| if j == joint { by_rad(k) } else { 0.0 };
+    let position = all(&|j| view.position_rad(j).iter().enumerate().map(|(k, q)| q + shift(j, k)).collect());
+    let velocity = all(&|j| view.velocity_rad_s(j).to_vec());
+    let acceleration = all(&|j| view.acceleration_rad_s2(j).to_vec());
+    let motion = Motion::new(view.joints(), view.time_s().to_vec(), position, velocity, acceleration)?;
+    Ok(torque(series.rigid_body, motion.view(), standard))
 }

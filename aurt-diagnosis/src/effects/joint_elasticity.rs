@@ -7,12 +7,14 @@
 //!
 //! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π.
 //!
-//! A motion far below the resonance does not determine it: filters of the instrument have the same effect there.
-//!
 //! # How it shows
-//! Torque that the measured motion of the motor predicts through a resonator, at 1–60 Hz, along M e_j of the
+//! Far below the resonance: the link hangs τ_j/K lower than the motor shows, and the load of all joints is that of another pose,
+//! −(∂τ/∂q_j) τ_j/K: gravity times its own slope, which no inertial parameter and no friction resembles. Only K follows from it.
+//!
+//! At 1–60 Hz: torque that the measured motion of the motor predicts through a resonator, along M e_j of the
 //! joint. Encoder noise and the position filter also follow the motion, but without a phase shift; what they can
-//! explain is removed first. The effect is claimed if it predicts held-out blocks of time.
+//! explain is removed first. The effect is claimed if it predicts held-out blocks of time; what shows it below the resonance is part
+//! of it.
 //!
 //! # Easily confused with
 //! - `time_delay`: follows τ̇; a resonance well above the motion delays, too.
@@ -20,16 +22,20 @@
 //! - noise of the acceleration: a low-pass filter resembles an elasticity of the wrong sign, so the sign is
 //!   constrained.
 //! - `backlash`: a link that is free within a gap, and rings on the flanks.
+//! - `encoder_offset` and `spring`, where the load hardly changes.
 //!
 //! # What to record to be sure
 //! Fast reversals at a rate of 500 Hz or more, in poses of small and large inertia: the resonance moves with
-//! the inertia. A sensor on the link's side shows it directly.
+//! the inertia. Slow motion between poses in which the joint carries much and little. A sensor on the link's side shows it directly.
 //!
 //! # References
 //! - M. W. Spong (1987), *Modeling and control of elastic joint robots*.
 //! - A. De Luca, W. Book, *Robots with flexible elements*, in: Springer Handbook of Robotics.
 
-use crate::vocabulary::{Effect, Family, Kind, Means, Parameter, Unit};
+use serde_json::json;
+
+use crate::parameters::{FittedColumn, ParameterValue, Parameters};
+use crate::vocabulary::{Context, Effect, Family, Kind, Means, OwnFriction, Parameter, Proposal, Unit};
 
 /// Below its resonance a gear looks like any low-pass of the instrument, τ̈ with a positive factor. It is simulated at the
 /// recording's own rate, where the resonance turns the phase (`transmission/`).
@@ -46,5 +52,29 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("frequency_hz", Unit::Frequency),
     ],
     means: Means::FullRate,
+    reads_model: true,
+    propose,
+    estimate: Some(stiffness),
     ..Effect::BASE
 };
+
+/// The gear below its resonance.
+fn propose(context: &Context<'_>) -> Vec<Proposal> {
+    let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
+    let term = |j: usize| {
+        json!({
+            "model": "joint_compliance", "joints": [j], "around_rad_nm": [0.0],
+            "inertial_columns": columns, "inertial_values": values,
+        })
+    };
+    (0..context.joints).map(|j| Proposal::term(vec![j], term(j)).bound(&[true])).collect()
+}
+
+/// K = 1/c; a gear that does not give way has none.
+fn stiffness(_: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Parameters {
+    let gives_way = fitted.first().filter(|(_, compliance, _)| *compliance != 0.0);
+    let of = |(_, compliance, std): &FittedColumn| {
+        ("stiffness_nm_rad".to_owned(), ParameterValue::new(1.0 / compliance, std / compliance.powi(2)))
+    };
+    gives_way.map(of).into_iter().collect()
+}

@@ -88,7 +88,8 @@ mod tests {
     fn what_is_found_by_columns_proposes_them() {
         for effect in ALL.into_iter().filter(|e| !e.reads_residual) {
             let proposes = !(effect.propose)(&CONTEXT).is_empty();
-            assert_eq!(proposes, effect.means == Means::Columns, "{}", effect.id);
+            let below_its_resonance = effect == &joint_elasticity::EFFECT;
+            assert_eq!(proposes, effect.means == Means::Columns || below_its_resonance, "{}", effect.id);
         }
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use aurt_calibration::for_each_tile;
 use aurt_recording::Segment;
 
+use crate::effects::joint_elasticity;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
@@ -104,7 +105,8 @@ pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Re
     find_gears(question, &fit, &inertial, &(0..question.model.joints()).collect::<Vec<_>>())
 }
 
-/// The recordings without the torque of what was found, unfiltered.
+/// The recordings without the torque of what was found, unfiltered; that of gears that give way stays, since the link that is simulated
+/// hangs on them.
 fn without_claims(
     question: &Question<'_>,
     found: &Investigation,
@@ -112,7 +114,8 @@ fn without_claims(
 ) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
     let (model, load) = (&found.model, extended_load(&found.baseline, question.model, &found.model));
     let chosen = found.selection.chosen.iter().map(|c| &found.groups[c.group]);
-    let columns: Vec<usize> = chosen.flat_map(|g| &found.candidates[g.candidate].columns).copied().collect();
+    let others = chosen.filter(|g| g.effect != &joint_elasticity::EFFECT);
+    let columns: Vec<usize> = others.flat_map(|g| &found.candidates[g.candidate].columns).copied().collect();
     let mut recordings = question.recordings.to_vec();
     for recording in &mut recordings {
         let in_targets = recording.role != Role::Calibration;

@@ -1,6 +1,6 @@
 //! Laws that are made of the model's own coefficients, evaluated anew with those of the final model.
 //!
-//! Load-dependent friction, a tilted base, an encoder's offset and a gain error multiply a torque that the model predicts. Their columns are
+//! Load-dependent friction, a tilted base, an encoder's offset, a joint's compliance and a gain error multiply a torque that the model predicts. Their columns are
 //! of the model in question, whose coefficients take up part of what it lacks: a drive that loses a fifth of its load
 //! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
 //! both are right; a few rounds of evaluation and least squares settle them.
@@ -261,16 +261,20 @@ impl Renewed {
     }
 }
 
-/// Gives a term around known bodies the inertial parameters of the final fit, and the offsets around which it is linear.
+/// Gives a term around known bodies the inertial parameters of the final fit, and the coefficients around which it is linear.
 fn settle_law(candidate: &mut Candidate, own: &[f64], fitted: &Fitted) {
     let Addition::Term(configuration) = &mut candidate.proposal.addition else { return };
     if let Some(values) = configuration.get_mut("inertial_values") {
         let count = values.as_array().map_or(0, Vec::len);
         *values = json!(own[..count]);
     }
-    if let Some(around) = configuration.get_mut("around_rad") {
+    let around = AROUND.into_iter().find(|key| configuration.get(key).is_some());
+    if let Some(around) = around.and_then(|key| configuration.get_mut(key)) {
         let place = |column: usize| fitted.place(column, true).or_else(|| fitted.place(column, false));
         let value = |column: &usize| place(*column).map_or(0.0, |k| fitted.fit.coefficients[k]);
         *around = candidate.columns.iter().map(value).collect();
     }
 }
+
+/// Keys of terms that are exact around the values of their own coefficients.
+const AROUND: [&str; 2] = ["around_rad", "around_rad_nm"];

@@ -34,15 +34,12 @@
 //! # Invariants
 //! Even in load, continuous in velocity, memoryless. The term is a load.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Motion, Parameter, Result, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::arm_terms::joint_selection::JointSelection;
-use crate::known_bodies::{KnownBodies, torque};
+use crate::known_bodies::{KnownBodies, STEP_RAD, turned};
 use crate::shape::verdict;
-
-/// Half the step of the central difference, rad: its error is h²/6 ≈ 2·10⁻⁷ of the torque, above the rounding of ε/h ≈ 2·10⁻¹³.
-const STEP_RAD: f64 = 1e-3;
 
 /// A joint's encoder whose zero is not that of the model.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -103,14 +100,8 @@ impl ArmTerm for EncoderOffset {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("encoder_offset", robot_joints);
         complaints.extend(self.bodies().complaints());
-        let (joints, given) = (self.joints.resolve(robot_joints).len(), self.around_rad.len());
-        if given > 0 && given != joints {
-            complaints.push(ModelError::count("around_rad of `encoder_offset` (one a joint)", joints, given));
-        }
-        if let Some(value) = self.around_rad.iter().find(|v| !v.is_finite()) {
-            let reason = format!("must be numbers, contain {value}");
-            complaints.push(ModelError::parameter("encoder_offset", "around_rad", reason));
-        }
+        let joints = self.joints.resolve(robot_joints).len();
+        complaints.extend(self.bodies().around_complaints("around_rad", &self.around_rad, joints));
         verdict(complaints)
     }
 
@@ -127,23 +118,14 @@ impl ArmTerm for EncoderOffset {
         let (view, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
         let (joints, samples) = (view.joints(), view.samples());
         let own = self.joints.resolve(joints);
-        let all = |of: &dyn Fn(usize) -> Vec<f64>| -> Vec<f64> { (0..joints).flat_map(of).collect() };
-        let velocity = all(&|j| view.velocity_rad_s(j).to_vec());
-        let acceleration = all(&|j| view.acceleration_rad_s2(j).to_vec());
         for (k, joint) in own.iter().enumerate() {
-            let moved = |by: f64| -> Result<Vec<f64>> {
-                let shift = |j: usize| if j == *joint { by } else { 0.0 };
-                let position = all(&|j| view.position_rad(j).iter().map(|q| q + shift(j)).collect());
-                let time = view.time_s().to_vec();
-                let motion = Motion::new(joints, time, position, velocity.clone(), acceleration.clone())?;
-                Ok(torque(series.rigid_body, motion.view(), &standard))
-            };
             if samples == 0 || standard.iter().all(|value| *value == 0.0) {
                 (0..joints).for_each(|row| out.column_mut(row * own.len() + k).fill(0.0));
                 continue;
             }
             let around = self.around_rad.get(k).copied().unwrap_or(0.0);
             let [from, to] = if around.abs() < STEP_RAD { [STEP_RAD, -STEP_RAD] } else { [0.0, -around] };
+            let moved = |by: f64| turned(series, &standard, *joint, |_| by);
             let (shown, real) = (moved(from)?, moved(to)?);
             for row in 0..joints {
                 let place = row * samples..(row + 1) * samples;

@@ -9,6 +9,7 @@ use aurt_friction::{
         coupling::Coupling,
         drive_efficiency::DriveEfficiency,
         encoder_offset::EncoderOffset,
+        joint_compliance::JointCompliance,
         joint_selection::JointSelection,
         lugre_damped::LuGreDamped,
         payload::{Inertial, Payload},
@@ -194,6 +195,52 @@ fn an_encoder_offset_is_the_torque_at_the_real_angle() {
     }
     assert_eq!(term(&[0.1]).validate(JOINTS).unwrap_err().len(), 1);
     let unknown = evaluate(&EncoderOffset::default(), &body, &shown, &[]).unwrap();
+    assert!(unknown.iter().flatten().all(|x| *x == 0.0) && unknown.len() == JOINTS * JOINTS);
+}
+
+#[test]
+fn a_compliant_joint_has_the_torque_of_its_link() {
+    let body = PlanarArm::new(JOINTS);
+    let shown = Recording::random(8, JOINTS, SAMPLES);
+    let standard = some_parameters();
+    let joint = 1;
+    let term = |around_rad_nm: &[f64]| JointCompliance {
+        joints: JointSelection::of(vec![joint]),
+        around_rad_nm: around_rad_nm.to_vec(),
+        inertial_columns: (0..standard.len()).collect(),
+        inertial_values: standard.clone(),
+    };
+    let rigid = torque(&body, &shown, &standard);
+    let mass = rigid[joint * SAMPLES..(joint + 1) * SAMPLES].iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+    // The largest load turns the joint by a fiftieth of a radian.
+    let compliance = 0.02 / mass;
+    let by = |moved: &[f64], n: usize| -compliance * moved[joint * SAMPLES + n];
+    let mut moved = rigid.clone();
+    for _ in 0..50 {
+        let motion = shown.motion();
+        let view = motion.view();
+        let of = |series: &dyn Fn(usize) -> Vec<f64>| (0..JOINTS).flat_map(series).collect::<Vec<f64>>();
+        let turned = |j: usize, n: usize| if j == joint { by(&moved, n) } else { 0.0 };
+        let position =
+            of(&|j| view.position_rad(j).iter().enumerate().map(|(n, q)| q + turned(j, n)).collect());
+        let velocity = of(&|j| view.velocity_rad_s(j).to_vec());
+        let acceleration = of(&|j| view.acceleration_rad_s2(j).to_vec());
+        let link = Motion::new(JOINTS, view.time_s().to_vec(), position, velocity, acceleration).unwrap();
+        body.torque(link.view(), &standard, &mut moved, SAMPLES);
+    }
+    let largest = |error: &dyn Fn(usize, usize) -> f64| {
+        let all = (0..JOINTS).flat_map(|j| (0..SAMPLES).map(move |n| (j, n)));
+        all.map(|(j, n)| error(j, n).abs()).fold(0.0, f64::max)
+    };
+    let change = |j: usize, n: usize| moved[j * SAMPLES + n] - rigid[j * SAMPLES + n];
+    let size = largest(&change);
+    for (around, tolerance) in [(0.0, 0.1), (compliance, 1e-4)] {
+        let columns = evaluate(&term(&[around]), &body, &shown, &[]).unwrap();
+        let error = largest(&|j, n| compliance * columns[j][n] - change(j, n));
+        assert!(error < tolerance * size && size > 0.1, "{error} of {size} around {around}");
+    }
+    assert_eq!(term(&[0.1, 0.1]).validate(JOINTS).unwrap_err().len(), 1);
+    let unknown = evaluate(&JointCompliance::default(), &body, &shown, &[]).unwrap();
     assert!(unknown.iter().flatten().all(|x| *x == 0.0) && unknown.len() == JOINTS * JOINTS);
 }
 

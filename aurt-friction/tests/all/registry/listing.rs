@@ -41,6 +41,7 @@ fn the_models_that_experiments_rely_on_are_there() {
                 "current_offset",
                 "drive_efficiency",
                 "encoder_offset",
+                "joint_compliance",
                 "lugre_damped",
                 "payload",
                 "rotor_inertia",
