@@ -75,3 +75,71 @@ macro_rules! declares_term {
         }
     };
 }
+
+/// Methods of a term around the inertial values of a fit (`crate::known_bodies`), in an `impl ArmTerm`; the state is the number of the rigid
+/// body's standard parameters, which is asked for once per series. With `around`, a column for each selected joint, whose values on all
+/// joints `slope` gives, exact around those of the field.
+macro_rules! declares_known_bodies {
+    () => {
+        fn joints(&self, robot_joints: usize) -> Vec<usize> {
+            (0..robot_joints).collect()
+        }
+
+        fn is_load(&self) -> bool {
+            true
+        }
+
+        fn state_len(&self, _robot_joints: usize) -> usize {
+            1
+        }
+
+        fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
+            vec![first.rigid_body.standard_parameters().len() as f64]
+        }
+    };
+    ($name:literal in $unit:literal, around: $around:ident) => {
+        declares_known_bodies! {}
+
+        fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
+            let name = |j: usize| Parameter::new(format!("{}_{j}", $name), $unit);
+            self.joints.resolve(robot_joints).into_iter().map(name).collect()
+        }
+
+        fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
+            let mut complaints = self.joints.complaints($name, robot_joints);
+            let bodies = known_bodies!(self, $name);
+            complaints.extend(bodies.complaints());
+            let joints = self.joints.resolve(robot_joints).len();
+            complaints.extend(bodies.around_complaints(stringify!($around), &self.$around, joints));
+            crate::shape::verdict(complaints)
+        }
+
+        fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
+            let (joints, samples) = (series.motion.joints(), series.motion.samples());
+            let standard = known_bodies!(self, $name).standard(state[0] as usize)?;
+            let own = self.joints.resolve(joints);
+            let is_known = samples > 0 && standard.iter().any(|value| *value != 0.0);
+            for (k, joint) in own.iter().enumerate() {
+                let around = self.$around.get(k).copied().unwrap_or(0.0);
+                let none = || Ok(vec![0.0; joints * samples]);
+                let slope = if is_known { slope(series, &standard, *joint, around) } else { none() }?;
+                for row in 0..joints {
+                    out.column_mut(row * own.len() + k)
+                        .copy_from_slice(&slope[row * samples..(row + 1) * samples]);
+                }
+            }
+            Ok(())
+        }
+    };
+}
+
+/// The bodies of a term's configuration.
+macro_rules! known_bodies {
+    ($term:expr, $name:literal) => {
+        crate::known_bodies::KnownBodies {
+            model: $name,
+            columns: &$term.inertial_columns,
+            values: &$term.inertial_values,
+        }
+    };
+}

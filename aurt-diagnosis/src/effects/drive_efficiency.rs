@@ -26,6 +26,7 @@
 
 use serde_json::json;
 
+use crate::effects::load_dependent_friction;
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
 pub static EFFECT: Effect = Effect {
@@ -37,6 +38,7 @@ pub static EFFECT: Effect = Effect {
     source: include_str!("drive_efficiency.rs"),
     parameters: &[Parameter::new("driving", Unit::One), Parameter::new("driven", Unit::One)],
     reads_model: true,
+    generalises: &[&load_dependent_friction::EFFECT],
     propose: |context| {
         let term = |j: usize| json!({"model": "drive_efficiency", "joints": [j]});
         (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()

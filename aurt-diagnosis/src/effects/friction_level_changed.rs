@@ -34,7 +34,7 @@ use crate::vocabulary::{Effect, Family, OwnFriction, Parameter, Proposal, Unit};
 pub static EFFECT: Effect = Effect {
     id: "friction_level_changed",
     family: Family::F,
-    title: "the same friction at another level than in the calibration recordings",
+    title: "friction at another level",
     decider: "the calibration motion again, on the same day as the target",
     source: include_str!("friction_level_changed.rs"),
     parameters: &[

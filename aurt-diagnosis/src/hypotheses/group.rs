@@ -50,9 +50,10 @@ impl Group {
         self.switches.len() + self.shapes
     }
 
-    /// Whether another effect is a simpler law that this one has to beat.
+    /// Whether another effect is a simpler law, of fewer freedoms on this model, that this one has to beat.
     pub(crate) fn generalises(&self, other: &Self) -> bool {
         self.effect.generalises.contains(&other.effect)
+            && other.freedoms() < self.freedoms()
             && self.joints == other.joints
             && self.target_only() == other.target_only()
     }

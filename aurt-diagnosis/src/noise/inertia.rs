@@ -1,6 +1,6 @@
 //! The inertia matrix along a motion.
 
-use aurt_traits::{Motion, MotionView, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{Motion, MotionView, RigidBodyRegressor};
 
 use crate::error::DiagnosisError;
 
@@ -31,37 +31,15 @@ impl InertiaColumns {
         let time = picked(motion.time_s());
         let count = time.len();
         let position: Vec<f64> = (0..joints).flat_map(|j| picked(motion.position_rad(j))).collect();
-        let mut destination = vec![RegressorTile::UNWANTED; joints * parameters];
-        for joint in 0..joints {
-            for (k, (parameter, _)) in inertial.iter().enumerate() {
-                destination[joint * parameters + parameter] = (joint * inertial.len() + k) as u32;
-            }
-        }
-        let mut data = vec![0.0; joints * inertial.len() * count];
+        let mut standard = vec![0.0; parameters];
+        inertial.iter().for_each(|(parameter, value)| standard[*parameter] = *value);
         let columns = (0..joints)
             .map(|accelerated| {
                 let mut acceleration = vec![0.0; joints * count];
                 acceleration[accelerated * count..(accelerated + 1) * count].fill(1.0);
                 let still = vec![0.0; joints * count];
                 let unit = Motion::new(joints, time.clone(), position.clone(), still, acceleration)?;
-                data.fill(0.0);
-                let mut tile = RegressorTile::new(&destination, parameters, count, count, &mut data);
-                weightless.evaluate(unit.view(), &mut tile);
-                Ok((0..joints)
-                    .map(|joint| {
-                        let mut torque = vec![0.0; count];
-                        for (k, (parameter, value)) in inertial.iter().enumerate() {
-                            if !body.loads(*parameter, joint) {
-                                continue;
-                            }
-                            let start = (joint * inertial.len() + k) * count;
-                            for (t, y) in torque.iter_mut().zip(&data[start..start + count]) {
-                                *t += value * y;
-                            }
-                        }
-                        torque
-                    })
-                    .collect())
+                Ok(torques(&*weightless, unit.view(), &standard))
             })
             .collect::<Result<Vec<Vec<Vec<f64>>>, DiagnosisError>>()?;
         Ok(Self { step, columns })
@@ -86,4 +64,16 @@ impl InertiaColumns {
         let series = &self.columns[accelerated][joint];
         series[(sample / self.step).min(series.len() - 1)]
     }
+}
+
+/// τ of bodies with the given standard parameters, `[joint][sample]`.
+pub(crate) fn torques(
+    body: &dyn RigidBodyRegressor,
+    motion: MotionView<'_>,
+    standard: &[f64],
+) -> Vec<Vec<f64>> {
+    let count = motion.samples();
+    let mut torque = vec![0.0; body.joints() * count];
+    body.torque(motion, standard, &mut torque, count);
+    torque.chunks(count.max(1)).map(<[f64]>::to_vec).collect()
 }

@@ -1,6 +1,7 @@
-use aurt_traits::{Motion, MotionView, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{Motion, MotionView, RigidBodyRegressor};
 
 use crate::error::DiagnosisError;
+use crate::noise::inertia::torques;
 
 /// How the torque of gravity changes with each joint's angle along a motion, ∂g_i/∂q_j, at every `step`-th sample.
 #[derive(Debug, Clone)]
@@ -26,16 +27,21 @@ impl GravityGradients {
         step: usize,
     ) -> Result<Self, DiagnosisError> {
         let joints = body.joints();
+        let mut standard = vec![0.0; body.standard_parameters().len()];
+        inertial.iter().for_each(|(parameter, value)| standard[*parameter] = *value);
         let picked = |series: &[f64]| series.iter().step_by(step).copied().collect::<Vec<_>>();
         let time = picked(motion.time_s());
         let position: Vec<f64> = (0..joints).flat_map(|j| picked(motion.position_rad(j))).collect();
         let count = time.len();
         let columns = (0..joints)
             .map(|turned| {
-                let at = |delta_rad: f64| {
+                // The torque that holds the arm in each pose, `[joint][sample]`.
+                let at = |delta_rad: f64| -> Result<_, DiagnosisError> {
                     let mut position = position.clone();
                     position[turned * count..(turned + 1) * count].iter_mut().for_each(|q| *q += delta_rad);
-                    gravity(body, inertial, &time, position)
+                    let still = vec![0.0; joints * count];
+                    let poses = Motion::new(joints, time.clone(), position, still.clone(), still)?;
+                    Ok(torques(body, poses.view(), &standard))
                 };
                 let (ahead, behind) = (at(DELTA_RAD)?, at(-DELTA_RAD)?);
                 let slope = |(a, b): (&Vec<f64>, &Vec<f64>)| {
@@ -59,41 +65,4 @@ impl GravityGradients {
         let series = &self.columns[turned][joint];
         series[(sample / self.step).min(series.len() - 1)]
     }
-}
-
-/// The torque that holds the arm in each pose, `[joint][sample]`.
-fn gravity(
-    body: &dyn RigidBodyRegressor,
-    inertial: &[(usize, f64)],
-    time: &[f64],
-    position: Vec<f64>,
-) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-    let (joints, count) = (body.joints(), time.len());
-    let parameters = body.standard_parameters().len();
-    let mut destination = vec![RegressorTile::UNWANTED; joints * parameters];
-    for joint in 0..joints {
-        for (k, (parameter, _)) in inertial.iter().enumerate() {
-            destination[joint * parameters + parameter] = (joint * inertial.len() + k) as u32;
-        }
-    }
-    let still = vec![0.0; joints * count];
-    let poses = Motion::new(joints, time.to_vec(), position, still.clone(), still)?;
-    let mut data = vec![0.0; joints * inertial.len() * count];
-    let mut tile = RegressorTile::new(&destination, parameters, count, count, &mut data);
-    body.evaluate(poses.view(), &mut tile);
-    Ok((0..joints)
-        .map(|joint| {
-            let mut torque = vec![0.0; count];
-            for (k, (parameter, value)) in inertial.iter().enumerate() {
-                if !body.loads(*parameter, joint) {
-                    continue;
-                }
-                let start = (joint * inertial.len() + k) * count;
-                for (t, y) in torque.iter_mut().zip(&data[start..start + count]) {
-                    *t += value * y;
-                }
-            }
-            torque
-        })
-        .collect())
 }

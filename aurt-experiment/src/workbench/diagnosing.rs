@@ -328,8 +328,9 @@ fn leave_out_repeated(improvement: &mut Improvement, fitted: &CalibratedModel) -
         index += 1;
         let adds = fitted.calibration.parameters[columns].iter().any(|p| p.excited);
         if !adds {
+            let name = term["model"].as_str().unwrap_or_default();
             notes.push(format!(
-                "the experiment's own structure has the columns of {term}, which is not added to it"
+                "the experiment's own structure has the columns of `{name}`, which is not added to it"
             ));
         }
         adds

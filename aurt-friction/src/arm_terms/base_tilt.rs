@@ -10,7 +10,7 @@
 //! # Linear only around known bodies
 //! Angle times inertial parameter is no linear term. The inertial values π_p are therefore configuration: those of
 //! a fit, as standard-parameter indices and values (base parameters at the indices of their kept columns serve as
-//! well as standard ones; torques are the same). [`BaseTilt::around`] takes them from a fit.
+//! well as standard ones; torques are the same).
 //! Without them both columns are zero, and a calibration reports roll and pitch as not excited.
 //!
 //! Base parameters found under a gravity along the first axis lack the first moments about that axis, which a tilt
@@ -41,12 +41,10 @@
 //! # Invariants
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, Result, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Motion, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::known_bodies::{KnownBodies, torque};
+use crate::known_bodies::torque;
 use crate::shape::verdict;
 
 /// A base that is not mounted as the model believes.
@@ -59,19 +57,6 @@ pub struct BaseTilt {
     pub inertial_values: Vec<f64>,
     /// Whether joint 0 has the columns sin q_0 and cos q_0.
     pub first_axis: bool,
-}
-
-impl BaseTilt {
-    /// The tilt of a robot whose base parameters were fitted: `values` holds one for each of `base`.
-    #[must_use]
-    pub fn around(base: &BaseParameters, values: &[f64], first_axis: bool) -> Self {
-        let inertial_values = values.iter().take(base.len()).copied().collect();
-        Self { inertial_columns: base.columns.clone(), inertial_values, first_axis }
-    }
-
-    fn bodies(&self) -> KnownBodies<'_> {
-        KnownBodies { model: "base_tilt", columns: &self.inertial_columns, values: &self.inertial_values }
-    }
 }
 
 register_model! {
@@ -91,9 +76,7 @@ impl ArmTerm for BaseTilt {
         invariants: [EvenInLoad, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        (0..robot_joints).collect()
-    }
+    declares_known_bodies! {}
 
     fn columns(&self, _robot_joints: usize) -> Vec<Parameter> {
         let mut columns = vec![Parameter::new("roll", "rad"), Parameter::new("pitch", "rad")];
@@ -107,25 +90,13 @@ impl ArmTerm for BaseTilt {
         column < 2 || joint == 0
     }
 
-    fn is_load(&self) -> bool {
-        true
-    }
-
     fn validate(&self, _robot_joints: usize) -> Result<(), Vec<ModelError>> {
-        verdict(self.bodies().complaints())
-    }
-
-    /// One variable, the number of the rigid body's standard parameters, which is asked for once per series.
-    fn state_len(&self, _robot_joints: usize) -> usize {
-        1
-    }
-
-    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
-        vec![first.rigid_body.standard_parameters().len() as f64]
+        verdict(known_bodies!(self, "base_tilt").complaints())
     }
 
     fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
-        let (motion, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
+        let (motion, standard) =
+            (series.motion, known_bodies!(self, "base_tilt").standard(state[0] as usize)?);
         let (joints, samples) = (motion.joints(), motion.samples());
         let per_joint = self.columns(joints).len();
         for column in 0..out.columns() {

@@ -38,8 +38,7 @@ use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, re
 use serde::{Deserialize, Serialize};
 
 use crate::arm_terms::joint_selection::JointSelection;
-use crate::known_bodies::{KnownBodies, STEP_RAD, turned};
-use crate::shape::verdict;
+use crate::known_bodies::{STEP_RAD, turned};
 
 /// A joint's encoder whose zero is not that of the model.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -55,16 +54,6 @@ pub struct EncoderOffset {
     pub inertial_columns: Vec<usize>,
     /// Their values.
     pub inertial_values: Vec<f64>,
-}
-
-impl EncoderOffset {
-    fn bodies(&self) -> KnownBodies<'_> {
-        KnownBodies {
-            model: "encoder_offset",
-            columns: &self.inertial_columns,
-            values: &self.inertial_values,
-        }
-    }
 }
 
 register_model! {
@@ -84,57 +73,12 @@ impl ArmTerm for EncoderOffset {
         invariants: [EvenInLoad, ContinuousInVelocity, Memoryless]
     }
 
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        (0..robot_joints).collect()
-    }
+    declares_known_bodies! { "encoder_offset" in "rad", around: around_rad }
+}
 
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        let name = |j: usize| Parameter::new(format!("encoder_offset_{j}"), "rad");
-        self.joints.resolve(robot_joints).into_iter().map(name).collect()
-    }
-
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
-        let mut complaints = self.joints.complaints("encoder_offset", robot_joints);
-        complaints.extend(self.bodies().complaints());
-        let joints = self.joints.resolve(robot_joints).len();
-        complaints.extend(self.bodies().around_complaints("around_rad", &self.around_rad, joints));
-        verdict(complaints)
-    }
-
-    /// One variable, the number of the rigid body's standard parameters, which is asked for once per series.
-    fn state_len(&self, _robot_joints: usize) -> usize {
-        1
-    }
-
-    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
-        vec![first.rigid_body.standard_parameters().len() as f64]
-    }
-
-    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
-        let (view, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
-        let (joints, samples) = (view.joints(), view.samples());
-        let own = self.joints.resolve(joints);
-        for (k, joint) in own.iter().enumerate() {
-            if samples == 0 || standard.iter().all(|value| *value == 0.0) {
-                (0..joints).for_each(|row| out.column_mut(row * own.len() + k).fill(0.0));
-                continue;
-            }
-            let around = self.around_rad.get(k).copied().unwrap_or(0.0);
-            let [from, to] = if around.abs() < STEP_RAD { [STEP_RAD, -STEP_RAD] } else { [0.0, -around] };
-            let moved = |by: f64| turned(series, &standard, *joint, |_| by);
-            let (shown, real) = (moved(from)?, moved(to)?);
-            for row in 0..joints {
-                let place = row * samples..(row + 1) * samples;
-                let column = out.column_mut(row * own.len() + k);
-                for ((value, shown), real) in column.iter_mut().zip(&shown[place.clone()]).zip(&real[place]) {
-                    *value = (real - shown) / (from - to);
-                }
-            }
-        }
-        Ok(())
-    }
+/// The torque's change per offset.
+fn slope(series: &ArmSeries<'_>, standard: &[f64], joint: usize, around: f64) -> Result<Vec<f64>> {
+    let [from, to] = if around.abs() < STEP_RAD { [STEP_RAD, -STEP_RAD] } else { [0.0, -around] };
+    let [shown, real] = [from, to].map(|by| turned(series, standard, joint, |_| by));
+    Ok(shown?.iter().zip(real?).map(|(shown, real)| (real - shown) / (from - to)).collect())
 }

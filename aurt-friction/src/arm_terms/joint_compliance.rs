@@ -6,14 +6,9 @@
 //! τ(q + δ e_j) = τ(q) + c (τ(q + δ e_j) − τ(q)) / a for c = a, and to first order for a c near a; for a = 0 the quotient is
 //! −τ_j ∂τ/∂q_j. The change of a load of 100 Nm on 10⁴ Nm/rad, of which a tenth of a radian takes 10 Nm, is 1 Nm.
 //!
-//! # Far below the resonance
-//! Velocity and acceleration are those of the motor: M_j δ̈ is left out, which is (ω/ω₀)² of the load's part of the frequency ω on a
-//! resonance of ω₀. `joint_elasticity` of the simulator has both.
-//!
-//! # Linear only around known bodies
-//! The product of compliance and inertial parameters is not linear. As in `base_tilt`, the inertial values are configuration:
-//! standard-parameter indices and values of a fit. Without them all columns are zero, and a calibration reports the compliances as not
-//! excited.
+//! Velocity and acceleration are those of the motor: M_j δ̈ is left out, the share (ω/ω₀)² of the load's part of frequency ω on a resonance
+//! of ω₀. As in `base_tilt`, inertial values are configuration, standard-parameter indices and values of a fit; without them all
+//! columns are zero.
 //!
 //! # Parameters
 //! | key | unit | meaning |
@@ -43,8 +38,7 @@ use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, re
 use serde::{Deserialize, Serialize};
 
 use crate::arm_terms::joint_selection::JointSelection;
-use crate::known_bodies::{KnownBodies, STEP_RAD, torque, turned};
-use crate::shape::verdict;
+use crate::known_bodies::{STEP_RAD, torque, turned};
 
 /// A joint that gives way under its load.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -66,16 +60,6 @@ pub struct JointCompliance {
 /// twentieth of gears that give way by five per cent of the lever.
 const ROUNDS: usize = 3;
 
-impl JointCompliance {
-    fn bodies(&self) -> KnownBodies<'_> {
-        KnownBodies {
-            model: "joint_compliance",
-            columns: &self.inertial_columns,
-            values: &self.inertial_values,
-        }
-    }
-}
-
 register_model! {
     slot: ArmTerm,
     name: "joint_compliance",
@@ -93,63 +77,12 @@ impl ArmTerm for JointCompliance {
         invariants: [EvenInLoad, ContinuousInVelocity, Memoryless]
     }
 
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        (0..robot_joints).collect()
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        let name = |j: usize| Parameter::new(format!("joint_compliance_{j}"), "rad/Nm");
-        self.joints.resolve(robot_joints).into_iter().map(name).collect()
-    }
-
-    fn is_load(&self) -> bool {
-        true
-    }
-
-    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
-        let mut complaints = self.joints.complaints("joint_compliance", robot_joints);
-        complaints.extend(self.bodies().complaints());
-        let joints = self.joints.resolve(robot_joints).len();
-        complaints.extend(self.bodies().around_complaints("around_rad_nm", &self.around_rad_nm, joints));
-        verdict(complaints)
-    }
-
-    /// One variable, the number of the rigid body's standard parameters, which is asked for once per series.
-    fn state_len(&self, _robot_joints: usize) -> usize {
-        1
-    }
-
-    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
-        vec![first.rigid_body.standard_parameters().len() as f64]
-    }
-
-    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
-        let (view, standard) = (series.motion, self.bodies().standard(state[0] as usize)?);
-        let (joints, samples) = (view.joints(), view.samples());
-        let own = self.joints.resolve(joints);
-        let is_known = samples > 0 && standard.iter().any(|value| *value != 0.0);
-        let shown =
-            if is_known { torque(series.rigid_body, view, &standard) } else { vec![0.0; joints * samples] };
-        for (k, joint) in own.iter().enumerate() {
-            let around = self.around_rad_nm.get(k).copied().unwrap_or(0.0);
-            let slope =
-                if is_known { slope(series, &standard, (*joint, around), &shown)? } else { shown.clone() };
-            for row in 0..joints {
-                out.column_mut(row * own.len() + k)
-                    .copy_from_slice(&slope[row * samples..(row + 1) * samples]);
-            }
-        }
-        Ok(())
-    }
+    declares_known_bodies! { "joint_compliance" in "rad/Nm", around: around_rad_nm }
 }
 
-/// The torque's change per compliance, from the torque at the angles of the motors.
-fn slope(
-    series: &ArmSeries<'_>,
-    standard: &[f64],
-    (joint, around): (usize, f64),
-    shown: &[f64],
-) -> Result<Vec<f64>> {
+/// The torque's change per compliance.
+fn slope(series: &ArmSeries<'_>, standard: &[f64], joint: usize, around: f64) -> Result<Vec<f64>> {
+    let shown = torque(series.rigid_body, series.motion, standard);
     let samples = series.motion.samples();
     let own = joint * samples..(joint + 1) * samples;
     let largest = shown[own.clone()].iter().fold(0.0_f64, |most, load| most.max(load.abs()));
@@ -158,7 +91,7 @@ fn slope(
         let slopes = ahead?.into_iter().zip(behind?).map(|(a, b)| (a - b) / (2.0 * STEP_RAD));
         return Ok(slopes.enumerate().map(|(k, slope)| -slope * shown[own.start + k % samples]).collect());
     }
-    let mut moved = shown.to_vec();
+    let mut moved = shown.clone();
     for _ in 0..ROUNDS {
         let load = moved[own.clone()].to_vec();
         moved = turned(series, standard, joint, |k| -around * load[k])?;

@@ -19,7 +19,7 @@ use aurt_friction::{
     conformance::{arm::evaluate, recording::Recording},
     hysteresis::lugre::LuGre,
 };
-use aurt_traits::{ArmTerm, BaseParameters, ModelError, Motion, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{ArmTerm, ModelError, Motion, RegressorTile, RigidBodyRegressor};
 use planar_arm::PlanarArm;
 
 const JOINTS: usize = 3;
@@ -45,6 +45,27 @@ fn torque(body: &dyn RigidBodyRegressor, recording: &Recording, standard: &[f64]
             standard.iter().enumerate().map(|(p, x)| x * data[(joint * count + p) * samples + n]).sum()
         })
         .collect()
+}
+
+/// The same of an arm one of whose joints stands further by some angle at each sample.
+fn turned_torque(
+    body: &PlanarArm,
+    shown: &Recording,
+    standard: &[f64],
+    joint: usize,
+    by_rad: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let motion = shown.motion();
+    let view = motion.view();
+    let of = |series: &dyn Fn(usize) -> Vec<f64>| (0..JOINTS).flat_map(series).collect::<Vec<f64>>();
+    let by = |j: usize, n: usize| if j == joint { by_rad(n) } else { 0.0 };
+    let position = of(&|j| view.position_rad(j).iter().enumerate().map(|(n, q)| q + by(j, n)).collect());
+    let velocity = of(&|j| view.velocity_rad_s(j).to_vec());
+    let acceleration = of(&|j| view.acceleration_rad_s2(j).to_vec());
+    let real = Motion::new(JOINTS, view.time_s().to_vec(), position, velocity, acceleration).unwrap();
+    let mut found = vec![0.0; JOINTS * SAMPLES];
+    body.torque(real.view(), standard, &mut found, SAMPLES);
+    found
 }
 
 fn some_parameters() -> Vec<f64> {
@@ -127,13 +148,11 @@ fn a_tilt_is_the_derivative_with_respect_to_the_mounting() {
     let body = PlanarArm::new(JOINTS);
     let recording = Recording::random(7, JOINTS, SAMPLES);
     let standard = some_parameters();
-    let base = BaseParameters {
-        columns: (0..10 * JOINTS).collect(),
-        combinations: Vec::new(),
-        seed: 0,
-        observations: 0,
+    let term = BaseTilt {
+        inertial_columns: (0..10 * JOINTS).collect(),
+        inertial_values: standard.clone(),
+        first_axis: true,
     };
-    let term = BaseTilt::around(&base, &standard, true);
     let columns = evaluate(&term, &body, &recording, &[]).unwrap();
     let [x, y, z] = body.gravity_m_s2;
     let angle = 1e-4_f64;
@@ -172,16 +191,7 @@ fn an_encoder_offset_is_the_torque_at_the_real_angle() {
     let trials = [(0, 1, 1e-4, 0.0), (1, 2, 1e-4, 0.0), (0, 1, 0.3, 0.3), (1, 2, -0.3, -0.3)];
     for (k, joint, offset, around) in trials {
         let columns = evaluate(&term(&[around; 2]), &body, &shown, &[]).unwrap();
-        let motion = shown.motion();
-        let view = motion.view();
-        let of = |series: &dyn Fn(usize) -> Vec<f64>| (0..JOINTS).flat_map(series).collect::<Vec<f64>>();
-        let by = |j: usize| if j == joint { offset } else { 0.0 };
-        let position = of(&|j| view.position_rad(j).iter().map(|q| q - by(j)).collect());
-        let velocity = of(&|j| view.velocity_rad_s(j).to_vec());
-        let acceleration = of(&|j| view.acceleration_rad_s2(j).to_vec());
-        let real = Motion::new(JOINTS, view.time_s().to_vec(), position, velocity, acceleration).unwrap();
-        let mut found = vec![0.0; JOINTS * SAMPLES];
-        body.torque(real.view(), &standard, &mut found, SAMPLES);
+        let found = turned_torque(&body, &shown, &standard, joint, |_| -offset);
         for i in 0..JOINTS * SAMPLES {
             let column = &columns[(i / SAMPLES) * 2 + k];
             assert_close(
@@ -214,19 +224,9 @@ fn a_compliant_joint_has_the_torque_of_its_link() {
     let mass = rigid[joint * SAMPLES..(joint + 1) * SAMPLES].iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     // The largest load turns the joint by a fiftieth of a radian.
     let compliance = 0.02 / mass;
-    let by = |moved: &[f64], n: usize| -compliance * moved[joint * SAMPLES + n];
     let mut moved = rigid.clone();
     for _ in 0..50 {
-        let motion = shown.motion();
-        let view = motion.view();
-        let of = |series: &dyn Fn(usize) -> Vec<f64>| (0..JOINTS).flat_map(series).collect::<Vec<f64>>();
-        let turned = |j: usize, n: usize| if j == joint { by(&moved, n) } else { 0.0 };
-        let position =
-            of(&|j| view.position_rad(j).iter().enumerate().map(|(n, q)| q + turned(j, n)).collect());
-        let velocity = of(&|j| view.velocity_rad_s(j).to_vec());
-        let acceleration = of(&|j| view.acceleration_rad_s2(j).to_vec());
-        let link = Motion::new(JOINTS, view.time_s().to_vec(), position, velocity, acceleration).unwrap();
-        body.torque(link.view(), &standard, &mut moved, SAMPLES);
+        moved = turned_torque(&body, &shown, &standard, joint, |n| -compliance * moved[joint * SAMPLES + n]);
     }
     let largest = |error: &dyn Fn(usize, usize) -> f64| {
         let all = (0..JOINTS).flat_map(|j| (0..SAMPLES).map(move |n| (j, n)));

@@ -137,9 +137,7 @@ impl MedianSpectrum {
         }
         bands
     }
-}
 
-impl MedianSpectrum {
     /// The median over bins of the medians over pieces; over all values at once where there are few pieces, whose own
     /// medians scatter too unevenly.
     fn level(&self, bins: Range<usize>) -> f64 {
