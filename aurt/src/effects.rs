@@ -282,12 +282,12 @@ effects! {
     }
     /// A link on an elastic gear.
     JointElasticity = "joint_elasticity" {
-        /// Stiffness, Nm/rad.
-        stiffness_nm_rad: Estimate,
+        /// Stiffness, Nm/rad, joint by joint, as all of these.
+        stiffness_nm_rad: Vec<Estimate>,
         /// Damping, Nm s/rad.
-        damping_nm_s: Option<Estimate>,
+        damping_nm_s: Option<Vec<Estimate>>,
         /// Frequency of the oscillation, Hz.
-        frequency_hz: Option<Estimate>,
+        frequency_hz: Option<Vec<Estimate>>,
     }
     /// Dry friction that grows with the load.
     LoadDependentFriction = "load_dependent_friction" {

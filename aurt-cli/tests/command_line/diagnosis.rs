@@ -204,6 +204,7 @@ fn a_gear_that_gives_way_shows_in_slow_motion() {
     let is_near = (value - STIFFNESS_NM_RAD).abs() < 3.0 * std && std < 0.15 * value;
     assert!(gear["joints"] == json!([1]) && is_near, "{gear}");
     assert!(folder.read("out/improved.toml").contains("joint_compliance"));
+    assert!(!verdict["indications"].to_string().contains("\"joints\":[1],\"present_in\""), "{verdict}");
 }
 
 /// A load that the held-out recording alone shows: the fitted recordings lack nothing, and no part of the answer says so of all.

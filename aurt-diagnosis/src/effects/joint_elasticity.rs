@@ -5,7 +5,8 @@
 //! motor, and the drives feel M(q) times the acceleration between the two. Well below the resonance, the torque of the
 //! rigid model is only off by a multiple of its second derivative, τ̈.
 //!
-//! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π.
+//! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π. Far below the resonance
+//!   K alone, in the targets alone that of a spring in series with what was there before.
 //!
 //! # How it shows
 //! Far below the resonance: the link hangs τ_j/K lower than the motor shows, and the load of all joints is that of another pose,
@@ -13,8 +14,8 @@
 //!
 //! At 1–60 Hz: torque that the measured motion of the motor predicts through a resonator, along M e_j of the
 //! joint. Encoder noise and the position filter also follow the motion, but without a phase shift; what they can
-//! explain is removed first. The effect is claimed if it predicts held-out blocks of time; what shows it below the resonance is part
-//! of it.
+//! explain is removed first. The effect is claimed if it predicts held-out blocks of time; on a joint with such a claim the pose is not
+//! looked at.
 //!
 //! # Easily confused with
 //! - `time_delay`: follows τ̇; a resonance well above the motion delays, too.
@@ -37,14 +38,15 @@ use serde_json::json;
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::{Context, Effect, Family, Kind, Means, OwnFriction, Parameter, Proposal, Unit};
 
-/// Below its resonance a gear looks like any low-pass of the instrument, τ̈ with a positive factor. It is simulated at the
-/// recording's own rate, where the resonance turns the phase (`transmission/`).
+/// Below its resonance the gear's inertial torque looks like any low-pass of the instrument, τ̈ with a positive factor: what is proposed is the
+/// pose in which the link hangs alone. The rest is simulated at the recording's own rate, where the resonance turns the phase
+/// (`transmission/`).
 pub static EFFECT: Effect = Effect {
     id: "joint_elasticity",
     family: Family::P,
-    kind: Kind::Acceleration,
+    kind: Kind::Position,
     title: "an elastic transmission",
-    decider: "fast reversals at a rate of 500 Hz or more, with a link-side sensor if there is one",
+    decider: "slow motion between poses of much and little load, and fast reversals at a rate of 500 Hz or more",
     source: include_str!("joint_elasticity.rs"),
     parameters: &[
         Parameter::new("stiffness_nm_rad", Unit::Stiffness).never_negative(),

@@ -11,7 +11,7 @@ use crate::error::DiagnosisError;
 use crate::hypotheses::registered::{Proposed, REGISTERED, RegisteredModel};
 use crate::recordings::rows::Layout;
 use crate::request::Question;
-use crate::vocabulary::{Addition, Context, Effect, Proposal};
+use crate::vocabulary::{Addition, Context, Effect, Means, Proposal};
 
 /// A proposal of an effect, with its place among the columns.
 #[derive(Debug, Clone)]
@@ -33,6 +33,7 @@ pub(crate) fn candidates(
     registry: &Registry,
     context: &Context<'_>,
     registered: Vec<Proposed>,
+    simulated: &[usize],
 ) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
     let own = question.model;
     let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
@@ -40,7 +41,8 @@ pub(crate) fn candidates(
     let considered = effects::ALL.into_iter().filter(|e| question.considers(e));
     let of_effects = considered.flat_map(|e| (e.propose)(context).into_iter().map(move |p| (e, p)));
     let known = question.structure.into_iter().flatten().map(|k| (k.effect, k.proposal.clone()));
-    for (effect, proposal) in of_effects.chain(known) {
+    let elsewhere = |e: &Effect, p: &Proposal| e.means != Means::Columns && simulated.contains(&p.joints[0]);
+    for (effect, proposal) in of_effects.chain(known).filter(|(e, p)| !elsewhere(e, p)) {
         let term = match &proposal.addition {
             Addition::Term(configuration) => {
                 terms.push(build_term(registry, effect, configuration)?);

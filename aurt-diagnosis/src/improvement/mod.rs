@@ -13,7 +13,7 @@ use crate::evidence::baseline::weighted_fit;
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::Question;
-use crate::vocabulary::Addition;
+use crate::vocabulary::{AROUND, Addition};
 
 /// What has to be added to an experiment.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -69,7 +69,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
     for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
         improvement.notes.push(format!(
             "the gear of {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
-             in its parameters describes a link that moves against its motor",
+             in its parameters describes a link that rings on its motor",
             question.names().joint(gear.joint), gear.stiffness_nm_rad[0], gear.gap_rad[0]
         ));
     }
@@ -127,7 +127,7 @@ fn leave_out_level(term: &mut Value, stacks: &[JointStack]) {
     }
 }
 
-/// Adds a term; one that differs from an earlier one in its joints alone joins it.
+/// Adds a term; one that differs from an earlier one in its joints alone joins it, but for one around values of each joint.
 fn add_term(
     terms: &mut Vec<(Value, Option<Vec<String>>)>,
     configuration: &Value,
@@ -142,6 +142,7 @@ fn add_term(
     };
     let joined = terms.iter_mut().find(|(other, s)| {
         *s == scope
+            && AROUND.iter().all(|key| other.get(key).is_none())
             && other.get("joints").is_some()
             && configuration.get("joints").is_some()
             && key(other) == key(configuration)
@@ -279,12 +280,17 @@ mod tests {
         let mut improvement = Improvement { calibrate_on_target: true, ..Improvement::default() };
         add_term(&mut improvement.terms, &json!({"model": "spring", "joints": [2]}), None);
         add_term(&mut improvement.terms, &json!({"model": "spring", "joints": [0]}), None);
+        for joint in [1, 2] {
+            let term = json!({"model": "joint_compliance", "joints": [joint], "around_rad_nm": [0.0]});
+            add_term(&mut improvement.terms, &term, None);
+        }
         add_term(&mut improvement.terms, &json!({"model": "payload", "link": 5}), Some(vec!["b.csv".into()]));
         improvement.gain_factors = Some(vec![1.0, 0.5]);
         let text = improved_experiment(source, &improvement).unwrap();
         assert!(text.starts_with("schema = 1 # first"), "{text}");
         assert!(text.contains("calibration = [\"a.csv\", \"b.csv\"]") && !text.contains("target"), "{text}");
         assert!(text.contains("joints = [0, 2]"), "{text}");
+        assert_eq!(text.matches("joint_compliance").count(), 2, "{text}");
         assert!(text.contains("recordings = [\"b.csv\"]"), "{text}");
         assert!(text.contains("gains = [1.0, 0.5]"), "{text}");
     }

@@ -374,7 +374,7 @@ fn examine(
         resolution_rad: &resolution_rad(&noise, question.model.joints()),
     };
     let (proposed, untried) = registered::proposals(question, registry);
-    let (model, mut candidates) = candidates(question, registry, &context, proposed)?;
+    let (model, mut candidates) = candidates(question, registry, &context, proposed, elastic)?;
     drop(context_rows);
 
     progress("evaluating candidates");

@@ -1,7 +1,7 @@
 //! Laws that are made of the model's own coefficients, evaluated anew with those of the final model.
 //!
-//! Load-dependent friction, a tilted base, an encoder's offset, a joint's compliance and a gain error multiply a torque that the model predicts. Their columns are
-//! of the model in question, whose coefficients take up part of what it lacks: a drive that loses a fifth of its load
+//! Load-dependent friction, a tilted base, an encoder's offset, a joint's compliance and a gain error multiply a torque that the model
+//! predicts. Their columns are of the model in question, whose coefficients take up part of what it lacks: a drive that loses a fifth of its load
 //! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
 //! both are right; a few rounds of evaluation and least squares settle them.
 
@@ -17,7 +17,7 @@ use crate::investigation::fitted::Fitted;
 use crate::investigation::selecting::{Parts, Selected};
 use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::rows::{Fit, Instrument, RecordingRows, Role};
-use crate::vocabulary::Addition;
+use crate::vocabulary::{AROUND, Addition};
 
 /// Rounds at most; each leaves a fraction of the error that is the law's share of the load.
 const ROUNDS: usize = 4;
@@ -275,6 +275,3 @@ fn settle_law(candidate: &mut Candidate, own: &[f64], fitted: &Fitted) {
         *around = candidate.columns.iter().map(value).collect();
     }
 }
-
-/// Keys of terms that are exact around the values of their own coefficients.
-const AROUND: [&str; 2] = ["around_rad", "around_rad_nm"];

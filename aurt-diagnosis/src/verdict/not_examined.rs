@@ -1,13 +1,12 @@
 //! What could not be looked at in these recordings, and why.
 
-use crate::effects;
+use crate::effects::backlash;
 use crate::investigation::Investigation;
 use crate::recordings::rows::Role;
 use crate::request::{Question, QuestionedRecording, length};
 use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::NotExamined;
 use crate::verdict::answer::UNRELATED;
-use crate::vocabulary::Means;
 
 /// Joints at rest, recordings that are short or slow, and measurements that say nothing.
 pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
@@ -118,13 +117,12 @@ fn unrelated(question: &Question<'_>, investigation: &Investigation) -> Option<N
 
 fn slow(question: &Question<'_>) -> Option<NotExamined> {
     let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
-    let of_gears = effects::ALL.into_iter().filter(|e| e.means == Means::FullRate && question.considers(e));
     question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow).then(|| NotExamined {
         recording: None,
         joints: Vec::new(),
-        effects: of_gears.map(|e| e.id.to_owned()).collect(),
+        effects: question.considers(&backlash::EFFECT).then(|| backlash::EFFECT.id.to_owned()).into_iter().collect(),
         reason: format!(
-            "backlash and elastic gears were not examined: a sampling rate of at least {LEAST_RATE_HZ:.0} Hz is required"
+            "gears that ring or have play were not examined: a sampling rate of at least {LEAST_RATE_HZ:.0} Hz is required"
         ),
     })
 }

@@ -17,9 +17,11 @@ pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investig
     confirmed.map(|s| finding(question, s)).collect()
 }
 
-/// Gears that pass only part of the tests, each with those that it fails.
+/// Gears that pass only part of the tests, each with those that it fails; none of those that the pose of the link shows.
 pub(crate) fn shaking_indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
-    let rest = investigation.shaking.iter().filter(|s| !s.confirmed);
+    let chosen = || investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+    let is_claimed = |s: &&Shaking| chosen().any(|g| g.effect == s.effect && g.joints == [s.joint]);
+    let rest = investigation.shaking.iter().filter(|s| !s.confirmed && !is_claimed(s));
     rest.map(|s| Indication { finding: finding(question, s), fails: s.fails.clone() }).collect()
 }
 

@@ -23,7 +23,7 @@ use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
     Answer, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
-use crate::vocabulary::{Effect, Presence};
+use crate::vocabulary::{Effect, Means, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
 #[must_use]
@@ -224,13 +224,14 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
 }
 
 /// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.
-/// Share of a candidate's torque that the model leaves of it where it is looked for; none for what ties two joints and for
-/// registered models, of which nothing is said.
+/// Share of a candidate's torque that the model leaves of it where it is looked for; none for what ties two joints, for what is also found
+/// by other means, and for registered models, of which nothing is said.
 pub(crate) fn share_left(investigation: &Investigation, candidate: usize) -> Option<f64> {
     let free = investigation.free[candidate];
     let candidate = &investigation.candidates[candidate];
     let ties_joints = candidate.proposal.joints.len() > 1 && !candidate.effect.is_whole_arm;
-    (!ties_joints && candidate.registered.is_none()).then(|| match candidate.proposal.presence {
+    let by_columns = candidate.effect.means == Means::Columns && candidate.registered.is_none();
+    (!ties_joints && by_columns).then(|| match candidate.proposal.presence {
         Presence::Change if investigation.problem.has_target() => free[1],
         Presence::Change => 0.0,
         Presence::Any | Presence::Known | Presence::Structure => free[0].max(free[1]),

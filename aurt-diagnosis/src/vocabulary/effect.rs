@@ -56,7 +56,7 @@ pub enum Means {
     Columns,
     /// The samples of the recordings as read.
     Samples,
-    /// A simulation of the gear at the recordings' own rate.
+    /// A simulation of the gear at the recordings' own rate; an elastic one proposes columns as well.
     FullRate,
     /// Stretches of time in the residual.
     Windows,

@@ -10,4 +10,5 @@ pub mod shape;
 pub use effect::{Effect, Family, Kind, Means, Wording};
 pub use own_friction::OwnFriction;
 pub use parameter::{Parameter, Unit};
+pub(crate) use proposal::AROUND;
 pub use proposal::{Addition, Context, Presence, Proposal};

@@ -26,6 +26,9 @@ pub struct Context<'a> {
     pub resolution_rad: &'a [f64],
 }
 
+/// Keys of terms that are exact around the values of their own coefficients, one a joint.
+pub(crate) const AROUND: [&str; 2] = ["around_rad", "around_rad_nm"];
+
 /// In which recordings an effect may be present.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Presence {

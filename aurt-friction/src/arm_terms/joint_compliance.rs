@@ -2,9 +2,9 @@
 //!
 //! # Equation
 //! The encoder of the motor shows q, the link stands at q + δ e_j with δ = −c τ_j(q + δ e_j), where τ is the torque of the rigid
-//! bodies, τ_j the load of the joint, and c = 1/K the compliance of gear, bearing and shaft. The torque that acts is
+//! bodies alone (loads of other terms, as of a counterbalance, do not bend it), τ_j the load of the joint, and c = 1/K the compliance of gear, bearing and shaft. The torque that acts is
 //! τ(q + δ e_j) = τ(q) + c (τ(q + δ e_j) − τ(q)) / a for c = a, and to first order for a c near a; for a = 0 the quotient is
-//! −τ_j ∂τ/∂q_j. The change of a load of 100 Nm on 10⁴ Nm/rad, of which a tenth of a radian takes 10 Nm, is 1 Nm.
+//! −τ_j ∂τ/∂q_j. A load of 100 Nm that changes by 100 Nm/rad, on 10⁴ Nm/rad, changes by 1 Nm.
 //!
 //! Velocity and acceleration are those of the motor: M_j δ̈ is left out, the share (ω/ω₀)² of the load's part of frequency ω on a resonance
 //! of ω₀. As in `base_tilt`, inertial values are configuration, standard-parameter indices and values of a fit; without them all
@@ -56,16 +56,18 @@ pub struct JointCompliance {
     pub inertial_values: Vec<f64>,
 }
 
-/// Evaluations of the deflection under the load that it changes: each leaves the share c ∂τ_j/∂q_j of the error of the one before, a
-/// twentieth of gears that give way by five per cent of the lever.
+/// Evaluations of the deflection under the load that it changes. Each leaves the share c ∂τ_j/∂q_j of the error of the one before, which is
+/// below one of any arm that stands.
 const ROUNDS: usize = 3;
 
+/// Below it the quotient is the slope: a load of 100 Nm turns the joint by 10⁻⁷ rad, and rounding takes ε/(a τ_j) ≈ 2·10⁻⁹ of the quotient.
+const RIGID_RAD_NM: f64 = 1e-9;
 register_model! {
     slot: ArmTerm,
     name: "joint_compliance",
     summary: "a joint that gives way under its load",
     equation: "τ = Σ_j joint_compliance_j (τ_RBD(q + δ e_j) − τ_RBD(q)) / a, δ = −a τ_RBD,j, −τ_RBD,j ∂τ_RBD/∂q_j for a = 0, τ_RBD of a fit",
-    use_when: "gears are soft beside the loads and the arm moves far below their resonances; hold the calibrated coefficients fixed",
+    use_when: "gears are soft beside the loads and the arm moves far below their resonances; the bodies are those of a fit",
     source: "Spong (1987) at rest; Dumas et al. (2011)",
     example: r#"{ model = "joint_compliance", joints = [1], inertial_columns = [6, 9, 16, 19], inertial_values = [0.9, 3.0, 0.4, 2.0] }"#,
 }
@@ -85,8 +87,7 @@ fn slope(series: &ArmSeries<'_>, standard: &[f64], joint: usize, around: f64) ->
     let shown = torque(series.rigid_body, series.motion, standard);
     let samples = series.motion.samples();
     let own = joint * samples..(joint + 1) * samples;
-    let largest = shown[own.clone()].iter().fold(0.0_f64, |most, load| most.max(load.abs()));
-    if around.abs() * largest < STEP_RAD {
+    if around.abs() < RIGID_RAD_NM {
         let [ahead, behind] = [STEP_RAD, -STEP_RAD].map(|by| turned(series, standard, joint, |_| by));
         let slopes = ahead?.into_iter().zip(behind?).map(|(a, b)| (a - b) / (2.0 * STEP_RAD));
         return Ok(slopes.enumerate().map(|(k, slope)| -slope * shown[own.start + k % samples]).collect());

@@ -31,6 +31,10 @@ fn variants() -> Vec<Model> {
         (ArmTerm, r#"{ model = "spring", rest_rad = 0.3 }"#),
         (ArmTerm, r#"{ model = "payload", link = 2 }"#),
         (ArmTerm, r#"{ model = "base_tilt", first_axis = true }"#),
+        (
+            ArmTerm,
+            r#"{ model = "joint_compliance", joints = [1], around_rad_nm = [1e-4], inertial_columns = [6, 9], inertial_values = [0.9, 3.0] }"#,
+        ),
         (ArmTerm, r#"{ model = "coulomb_asymmetric", rest_velocity_rad_s = 0.1 }"#),
     ]
     .into_iter()
