@@ -181,7 +181,7 @@ fn an_encoder_that_has_lost_its_zero_is_found_with_its_offset() {
 /// Slow motion tells a soft gear by the pose in which the link hangs: no resonance rings.
 #[test]
 fn a_gear_that_gives_way_shows_in_slow_motion() {
-    const STIFFNESS_NM_RAD: f64 = 8000.0;
+    const STIFFNESS_NM_RAD: f64 = 4000.0;
     let folder = Folder::new();
     for seed in 1..=3 {
         let scenario = format!(
