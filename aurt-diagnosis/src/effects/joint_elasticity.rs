@@ -44,7 +44,7 @@ use crate::vocabulary::{Context, Effect, Family, Kind, Means, OwnFriction, Param
 pub static EFFECT: Effect = Effect {
     id: "joint_elasticity",
     family: Family::P,
-    kind: Kind::Position,
+    kind: Kind::Other,
     title: "an elastic transmission",
     decider: "slow motion between poses of much and little load, and fast reversals at a rate of 500 Hz or more",
     source: include_str!("joint_elasticity.rs"),

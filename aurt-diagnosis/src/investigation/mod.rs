@@ -343,6 +343,7 @@ fn examine(
         question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
 
     progress("making candidates");
+    let simulated: Vec<usize> = shaking.iter().filter(|s| s.confirmed).map(|s| s.joint).collect();
     let residual: Vec<Vec<Vec<f64>>> = own_rows
         .iter()
         .map(|r| {
@@ -374,7 +375,7 @@ fn examine(
         resolution_rad: &resolution_rad(&noise, question.model.joints()),
     };
     let (proposed, untried) = registered::proposals(question, registry);
-    let (model, mut candidates) = candidates(question, registry, &context, proposed, elastic)?;
+    let (model, mut candidates) = candidates(question, registry, &context, proposed, &simulated)?;
     drop(context_rows);
 
     progress("evaluating candidates");

@@ -224,8 +224,8 @@ fn a_simpler_law_wins_a_tie_that_the_blocks_leave_open() {
 
 #[test]
 fn a_law_is_simpler_by_its_freedoms_on_this_model() {
-    // The losses differ between driving and being driven by a seventieth.
-    let mut rows = Rows::new(vec![recording(Role::Calibration, 8, &[1.0, 3.0, 0.04, 0.0])]);
+    // That the losses differ lowers the error by less than an effect must.
+    let mut rows = Rows::new(vec![recording(Role::Calibration, 8, &[1.0, 3.0, 0.02, 0.0])]);
     let mut losses = group("drive_efficiency", 1, false);
     losses.switches.push(switch(2, false));
     let by_load = group("load_dependent_friction", 1, false);
