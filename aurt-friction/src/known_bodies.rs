@@ -89,7 +89,7 @@ pub(crate) const STEP_RAD: f64 = 1e-3;
 /// τ of bodies as in [`torque`], one of whose joints stands further by `by_rad` of each sample.
 ///
 /// # Errors
-/// What a motion of such positions is refused for.
+/// [`ModelError`] of a motion whose positions are no numbers.
 pub(crate) fn turned(
     series: &ArmSeries<'_>,
     standard: &[f64],

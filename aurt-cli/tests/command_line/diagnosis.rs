@@ -414,7 +414,7 @@ fn a_contact_that_may_not_be_named_is_not_masked_either() {
     let without = verdict(&folder, case, &["--without", "external_contact"]);
     let effects = without["effects"].as_array().unwrap();
     assert!(effects.iter().all(|e| e["effect"] != "external_contact"), "{without}");
-    // What it leaves in the targets is not missing in all recordings.
+    // Torque that only the targets keep is not missing in all recordings.
     assert_eq!([&without["verdict"], &without["structure"]], ["unexplained", "no_mismatch"], "{without}");
     let rms = |of: &Value, joint: usize| of["residual"][joint]["unexplained_rms"].as_f64().unwrap();
     let larger = |joint: &Value| {

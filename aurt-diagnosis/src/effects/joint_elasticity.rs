@@ -3,14 +3,14 @@
 //! # What it is
 //! Motor and link are joined by τ_J = K (θ − q) + D (θ̇ − q̇). The link then lags behind or runs ahead of the
 //! motor, and the drives feel M(q) times the acceleration between the two. Well below the resonance, the torque of the
-//! rigid model is only off by a multiple of its second derivative, τ̈.
+//! rigid model is off by a multiple of its second derivative, τ̈, and by the pose, in which the link hangs lower.
 //!
 //! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π. Far below the resonance
 //!   K alone, in the targets alone that of a spring in series with what was there before.
 //!
 //! # How it shows
 //! Far below the resonance: the link hangs τ_j/K lower than the motor shows, and the load of all joints is that of another pose,
-//! −(∂τ/∂q_j) τ_j/K: gravity times its own slope, which no inertial parameter and no friction resembles. Only K follows from it.
+//! −(∂τ/∂q_j) τ_j/K: gravity times its own slope, which no inertial parameter has. Only K follows from it.
 //!
 //! At 1–60 Hz: torque that the measured motion of the motor predicts through a resonator, along M e_j of the
 //! joint. Encoder noise and the position filter also follow the motion, but without a phase shift; what they can

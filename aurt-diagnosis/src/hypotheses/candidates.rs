@@ -27,7 +27,8 @@ pub struct Candidate {
     pub names: Vec<String>,
 }
 
-/// Asks every effect for proposals and adds their terms to the model; registered models come last.
+/// Asks every effect for proposals and adds their terms to the model; registered models come last. Gears of `simulated` joints, whose
+/// torque is taken out already, are not proposed.
 pub(crate) fn candidates(
     question: &Question<'_>,
     registry: &Registry,

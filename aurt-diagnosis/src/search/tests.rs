@@ -224,7 +224,7 @@ fn a_simpler_law_wins_a_tie_that_the_blocks_leave_open() {
 
 #[test]
 fn losses_that_do_not_differ_are_friction_by_load() {
-    // That they differ lowers the error by less than an effect must.
+    // The difference lowers the error by less than an effect must.
     let mut rows = Rows::new(vec![recording(Role::Calibration, 8, &[1.0, 3.0, 0.02])]);
     let mut losses = group("drive_efficiency", 1, false);
     losses.switches.push(switch(2, false));
