@@ -2,9 +2,10 @@
 //!
 //! # Equation
 //! The encoder of the motor shows q, the link stands at q + δ e_j with δ = −c τ_j(q + δ e_j), where τ is the torque of the rigid
-//! bodies alone (loads of other terms, as of a counterbalance, do not bend it), τ_j the load of the joint, and c = 1/K the compliance of gear, bearing and shaft. The torque that acts is
-//! τ(q + δ e_j) = τ(q) + c (τ(q + δ e_j) − τ(q)) / a for c = a, and to first order for a c near a; for a = 0 the quotient is
-//! −τ_j ∂τ/∂q_j. A load of 100 Nm that changes by 100 Nm/rad, on 10⁴ Nm/rad, changes by 1 Nm.
+//! bodies alone (loads of other terms, as of a counterbalance, do not bend the joint), τ_j the load of the joint, and c = 1/K the
+//! compliance of gear, bearing and shaft. The torque that acts is τ(q + δ e_j) = τ(q) + c (τ(q + δ e_j) − τ(q)) / a for c = a, and
+//! to first order for a c near a; for a = 0 the quotient is −τ_j ∂τ/∂q_j. A load of 100 Nm that changes by 100 Nm/rad, on
+//! 10⁴ Nm/rad, changes by 1 Nm.
 //!
 //! Velocity and acceleration are those of the motor: M_j δ̈ is left out, the share (ω/ω₀)² of the load's part of frequency ω on a resonance
 //! of ω₀. As in `base_tilt`, inertial values are configuration, standard-parameter indices and values of a fit; without them all
