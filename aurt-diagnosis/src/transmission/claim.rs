@@ -403,7 +403,7 @@ fn gain([cc, cr]: [f64; 2], amplitude: f64) -> f64 {
 }
 
 fn fitted_gain(moments: [f64; 2]) -> f64 {
-    gain(moments, amplitude(moments))
+    Some(gain(moments, amplitude(moments))).filter(|gain| gain.is_finite()).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -412,7 +412,8 @@ mod tests {
 
     #[test]
     fn a_gear_that_its_load_topples_gains_nothing() {
-        let topples = [[f64::NAN, 1.0], [f64::INFINITY, f64::NAN], [1.0, f64::INFINITY], [0.0, 0.0]];
+        let topples =
+            [[f64::NAN, 1.0], [f64::INFINITY, f64::NAN], [1.0, f64::INFINITY], [0.0, 0.0], [4.6e107, 1.6e215]];
         assert!(topples.iter().all(|moments| fitted_gain(*moments) == 0.0));
         assert_eq!(fitted_gain([2.0, 4.0]), 4.0);
     }
