@@ -49,16 +49,9 @@ pub(crate) fn look(fitted: &Fitted<'_>, known: Option<&Shift>) -> Result<Looked,
 
 /// The f_dyn of recordings, and that which suits their motion: the fastest motion and the slowest clock decide.
 fn bandwidth(recordings: &[&NamedRecording]) -> Option<FittedBandwidth> {
-    let of_joints = |recording: &&NamedRecording| {
-        let joints = recording.data.position_noise.iter().enumerate();
-        joints.filter_map(|(joint, noise)| recording.data.bandwidth_hz(joint, noise)).fold(0.0, f64::max)
-    };
-    let reports = || recordings.iter().map(|recording| &recording.data.report);
-    let top_hz = recordings.iter().map(of_joints).fold(0.0, f64::max);
-    let slowest_hz = reports().map(|report| report.rate_hz).fold(f64::INFINITY, f64::min);
-    let suitable_hz = suitable_f_dyn_hz(top_hz, slowest_hz)?;
+    let suitable_hz = suitable_f_dyn_hz(recordings.iter().map(|recording| &recording.data))?;
     // The parallel filter cuts at twice f_dyn.
-    let f_dyn_hz = reports().next()?.parallel_cutoff_hz / 2.0;
+    let f_dyn_hz = recordings.first()?.data.report.parallel_cutoff_hz / 2.0;
     Some(FittedBandwidth { f_dyn_hz, suitable_hz })
 }
 

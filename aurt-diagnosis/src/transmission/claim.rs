@@ -412,8 +412,13 @@ mod tests {
 
     #[test]
     fn a_gear_that_its_load_topples_gains_nothing() {
-        let topples =
-            [[f64::NAN, 1.0], [f64::INFINITY, f64::NAN], [1.0, f64::INFINITY], [0.0, 0.0], [4.6e107, 1.6e215]];
+        let topples = [
+            [f64::NAN, 1.0],
+            [f64::INFINITY, f64::NAN],
+            [1.0, f64::INFINITY],
+            [0.0, 0.0],
+            [4.6e107, 1.6e215],
+        ];
         assert!(topples.iter().all(|moments| fitted_gain(*moments) == 0.0));
         assert_eq!(fitted_gain([2.0, 4.0]), 4.0);
     }

@@ -27,15 +27,10 @@ use serde_json::{Value, json};
 use crate::doctor::{
     inspection::{
         inspected::{Inspected, Reading, rest},
-        joints::suitable_f_dyn_hz,
         judged::{Judged, plain_friction},
     },
     mistakes::{self, Examination, Subject},
 };
-
-/// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
-const DEFAULT_F_DYN_HZ: f64 = 10.0;
-const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 
 #[derive(Debug, Clone, Copy)]
 pub enum Known<'a> {
@@ -105,8 +100,10 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
         Known::Experiment(experiment) => Some(experiment.preprocess.f_dyn_hz),
         _ => None,
     };
-    let f_dyn_hz = f_dyn_hz.or(of_experiment).unwrap_or_else(|| highest_f_dyn_hz(&assigned));
-    let preprocessing = Preprocessing { trim_rest: false, ..Preprocessing::new(f_dyn_hz) };
+    let rate_hz = |a: &Assigned| 1.0 / mistakes::median_period_s(&a.loaded.recording.time_s);
+    let first_look = Preprocessing::first_look(assigned.iter().map(rate_hz).fold(f64::INFINITY, f64::min));
+    let f_dyn_hz = f_dyn_hz.or(of_experiment).unwrap_or(first_look.f_dyn_hz);
+    let preprocessing = Preprocessing { f_dyn_hz, ..first_look };
     let pipeline = Pipeline {
         joints: joints.unwrap_or_default(),
         preprocessing: &preprocessing,
@@ -191,12 +188,7 @@ impl Checkup {
 
     /// The f_dyn that suits all motions, Hz: the fastest motion and the slowest clock decide.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
-        if let [only] = self.alone.as_slice() {
-            return only.suitable_f_dyn_hz();
-        }
-        let slowest_hz =
-            self.alone.iter().map(|one| one.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
-        suitable_f_dyn_hz(self.alone.iter().flat_map(|one| &one.joints), slowest_hz)
+        aurt_recording::suitable_f_dyn_hz(self.alone.iter().map(|one| &one.prepared))
     }
 
     pub fn to_text(&self, style: Style) -> String {
@@ -298,11 +290,4 @@ fn own_name(one: &Inspected, taken: &[String]) -> String {
     let stem = Path::new(one.label()).file_stem().map_or_else(|| "recording".into(), |s| s.to_string_lossy());
     let names = (1..).map(|k| if k == 1 { stem.to_string() } else { format!("{stem}_{k}") });
     names.into_iter().find(|n| !taken.contains(n)).unwrap_or_default()
-}
-
-/// The f_dyn to look with: what is usual, less where the slowest recording asks for it.
-fn highest_f_dyn_hz(assigned: &[Assigned]) -> f64 {
-    let rate_hz = |a: &Assigned| 1.0 / mistakes::median_period_s(&a.loaded.recording.time_s);
-    let slowest_hz = assigned.iter().map(rate_hz).fold(f64::INFINITY, f64::min);
-    (DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * slowest_hz) * 1e3).round() / 1e3
 }

@@ -19,16 +19,10 @@ use aurt_traits::MeasurementUnit;
 use toml_edit::Value;
 
 use crate::doctor::{
-    inspection::{
-        inspected::{Inspected, Reading},
-        joints::suitable_f_dyn_hz,
-    },
+    inspection::inspected::{Inspected, Reading},
     mistakes::{self, Examination, Subject, median_period_s},
 };
 
-/// f_dyn to look with, Hz, and the share of the sampling rate that it must stay below.
-const HIGHEST_F_DYN_HZ: f64 = 10.0;
-const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 /// Share of a single recording that calibrates.
 const CALIBRATED_SHARE: f64 = 0.7;
 const ONE_HELD_OUT_OF: usize = 3;
@@ -90,8 +84,7 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
         }
     }
     let roles = split(&looked, &mut guesses);
-    let rate_hz = looked.iter().map(|l| l.inspected.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
-    let f_dyn_hz = suitable_f_dyn_hz(looked.iter().flat_map(|l| &l.inspected.joints), rate_hz);
+    let f_dyn_hz = aurt_recording::suitable_f_dyn_hz(looked.iter().map(|l| &l.inspected.prepared));
     let keys = bag_keys(known, &arm, &looked, &mut guesses);
     let text = text(known, &arm, &keys, &looked, &roles, f_dyn_hz, path);
     let experiment = Experiment::parse(&text, path, registry).map_err(Failure::Experiment)?;
@@ -228,11 +221,11 @@ fn look(source: &Source, role: Option<Role>, joints: &RobotJoints) -> Result<Loo
         Err(error) => return Err(error.into()),
     };
     let rate_hz = 1.0 / median_period_s(&reading.loaded.recording.time_s);
-    let preprocessing = Preprocessing {
-        trim_rest: false,
-        ..Preprocessing::new(HIGHEST_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * rate_hz))
-    };
-    Ok(Looked { inspected: Inspected::new(reading, &preprocessing)?, unit_was_guessed, role })
+    Ok(Looked {
+        inspected: Inspected::new(reading, &Preprocessing::first_look(rate_hz))?,
+        unit_was_guessed,
+        role,
+    })
 }
 
 /// The roles of recordings. Where none is known to validate, those without a role are split: what moves more calibrates, and at

@@ -92,6 +92,12 @@ impl PreprocessOptions {
         Self { f_dyn_hz, ..Self::default() }
     }
 
+    /// Options for a first look at recordings of which nothing is known but their lowest sampling rate: up to 10 Hz, rest included.
+    #[must_use]
+    pub fn first_look(lowest_rate_hz: f64) -> Self {
+        Self { trim_rest: false, ..Self::new((50.0 * lowest_rate_hz).round().min(1e4) / 1e3) }
+    }
+
     /// Cut-off of the position filter in use.
     #[must_use]
     pub fn effective_position_cutoff_hz(&self) -> f64 {

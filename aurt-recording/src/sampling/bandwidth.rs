@@ -6,14 +6,40 @@ use crate::preprocess::Preprocessed;
 const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
 /// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
 const ROOM: f64 = 3.0;
+/// Share of the power of a motion that lies below that frequency.
+const SHARE: f64 = 0.999;
 
-/// The f_dyn that suits motions below `top_hz`, recorded at `rate_hz`: the lowest round one with room above them whose position
-/// filter, at 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
+/// The f_dyn that suits recordings whose `position_noise` was estimated: the lowest round one with room above the frequency below
+/// which 99.9 % of the power of the velocities of all joints and recordings lies, and whose position filter, at 5 f_dyn, still lies
+/// below half of each sampling rate. `None` if nothing moves.
+///
+/// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
+/// weight of its mean power, whatever its length and rate.
 #[must_use]
-pub fn suitable_f_dyn_hz(top_hz: f64, rate_hz: f64) -> Option<f64> {
-    let possible = |f: &f64| 10.0 * f < rate_hz;
+pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Option<f64> {
+    let (mut spectrum, mut slowest_hz) = (Vec::new(), f64::INFINITY);
+    for recording in recordings {
+        slowest_hz = slowest_hz.min(recording.report.rate_hz);
+        for (joint, noise) in recording.position_noise.iter().enumerate() {
+            spectrum.extend(recording.velocity_spectrum(joint, noise));
+        }
+    }
+    let top_hz = reach_hz(spectrum)?;
+    let possible = |f: &f64| 10.0 * f < slowest_hz;
     let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
-    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)
+    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible))
+}
+
+/// The frequency below which 99.9 % of the power of a spectrum lies; `None` without power.
+fn reach_hz(mut spectrum: Vec<(f64, f64)>) -> Option<f64> {
+    spectrum.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = spectrum.iter().map(|(_, power)| power).sum();
+    let mut sum = 0.0;
+    let reached = spectrum.into_iter().find(|(_, power)| {
+        sum += power;
+        sum >= SHARE * total
+    });
+    reached.map(|(frequency_hz, _)| frequency_hz).filter(|_| total > 0.0)
 }
 
 impl Preprocessed {
@@ -21,32 +47,38 @@ impl Preprocessed {
     /// if nothing exceeds the noise of its positions.
     #[must_use]
     pub fn bandwidth_hz(&self, joint: usize, noise: &PositionNoise) -> Option<f64> {
+        reach_hz(self.velocity_spectrum(joint, noise))
+    }
+
+    /// The power of a joint's velocity above the noise of its positions in the longest stretch without gaps, frequency by frequency.
+    fn velocity_spectrum(&self, joint: usize, noise: &PositionNoise) -> Vec<(f64, f64)> {
         let filter = self.report.position_filter().ok();
         let velocity_noise_psd = |f: f64| {
             let filtered = filter.as_ref().map_or(1.0, |filter| filter.gain(f));
             noise.psd(f) * (filtered * velocity_gain(f, self.report.rate_hz)).powi(2)
         };
-        let longest = self.segments.iter().max_by_key(|s| s.motion.samples())?;
-        bandwidth_hz(longest.motion.view().velocity_rad_s(joint), longest.rate_hz, velocity_noise_psd)
+        let Some(longest) = self.segments.iter().max_by_key(|s| s.motion.samples()) else {
+            return Vec::new();
+        };
+        spectrum(longest.motion.view().velocity_rad_s(joint), longest.rate_hz, velocity_noise_psd)
     }
 }
 
-/// The frequency below which 99.9 % of the power of a uniformly sampled series lies, in Hz, beside noise whose one-sided
-/// spectrum is `noise_psd`; `None` if nothing exceeds the noise.
+/// Frequencies, Hz, and mean power of a uniformly sampled series at each, where it exceeds noise whose one-sided spectrum is
+/// `noise_psd`; nothing of a series that is too short.
 ///
 /// Hann's window keeps a series that does not end as it began from having power at all frequencies. A bin of noise of mean N
 /// has more than x N with the probability e^−x: none of n bins has more than 2 N ln n but with the probability 1/n, and those
 /// that have are motion.
-fn bandwidth_hz(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Option<f64> {
+fn spectrum(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     const MOST_SAMPLES: usize = 4096;
-    const SHARE: f64 = 0.999;
     // Means of neighbours: what lies above the lower rate is not motion of an arm.
     let block = values.len().div_ceil(MOST_SAMPLES).max(1);
     let series: Vec<f64> =
         values.chunks_exact(block).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
     let n = series.len();
     if n < 16 {
-        return None;
+        return Vec::new();
     }
     let mean = series.iter().sum::<f64>() / n as f64;
     let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
@@ -68,24 +100,18 @@ fn bandwidth_hz(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) ->
         per_psd * aliases.filter(|f| *f > 0.0 && *f <= 0.5 * rate_hz).map(passed).sum::<f64>()
     };
     let reach = 2.0 * (n as f64).ln();
-    let power: Vec<f64> = (1..n / 2)
-        .map(|k| {
-            // Goertzel's recurrence for one bin of the discrete Fourier transform.
-            let (mut before, mut last) = (0.0, 0.0);
-            for v in &windowed {
-                (before, last) = (last, v + 2.0 * turn(k).cos() * last - before);
-            }
-            let power = last * last + before * before - 2.0 * turn(k).cos() * last * before;
-            if power > reach * noise(k as f64 * block_rate_hz / n as f64) { power } else { 0.0 }
-        })
-        .collect();
-    let total: f64 = power.iter().sum();
-    let mut sum = 0.0;
-    let bin = power.iter().position(|p| {
-        sum += p;
-        sum >= SHARE * total
-    })?;
-    (total > 0.0).then(|| (bin + 1) as f64 * block_rate_hz / n as f64)
+    let bin = |k: usize| {
+        let frequency_hz = k as f64 * block_rate_hz / n as f64;
+        // Goertzel's recurrence for one bin of the discrete Fourier transform.
+        let (mut before, mut last) = (0.0, 0.0);
+        for v in &windowed {
+            (before, last) = (last, v + 2.0 * turn(k).cos() * last - before);
+        }
+        let power = last * last + before * before - 2.0 * turn(k).cos() * last * before;
+        let above = if power > reach * noise(frequency_hz) { power } else { 0.0 };
+        (frequency_hz, above / (n * n) as f64)
+    };
+    (1..n / 2).map(bin).collect()
 }
 
 #[cfg(test)]
@@ -110,9 +136,13 @@ mod tests {
             .map(|k| f64::from(k) / 500.0)
             .map(|t| tone(0.4, t) + 0.5 * tone(1.5, t) + 0.002 * tone(40.0, t))
             .collect();
-        let found = bandwidth_hz(&series, 500.0, |_| 0.0).unwrap();
+        let found = reach_hz(spectrum(&series, 500.0, |_| 0.0)).unwrap();
         assert!((found - 1.5).abs() < 0.05, "{found}");
-        assert_eq!(bandwidth_hz(&[1.0; 400], 100.0, |_| 0.0), None);
+        assert_eq!(reach_hz(spectrum(&[1.0; 400], 100.0, |_| 0.0)), None);
+        // A joint that hardly moves and trembles does not decide beside it.
+        let trembling: Vec<f64> = (0..20_000).map(|k| 1e-3 * tone(30.0, f64::from(k) / 500.0)).collect();
+        let both = [&series, &trembling].map(|series| spectrum(series, 500.0, |_| 0.0)).concat();
+        assert_eq!(reach_hz(both), Some(found));
     }
 
     /// A motion of 0.6 Hz that does not end as it began, with white noise of its positions as differentiation makes it.
@@ -129,7 +159,7 @@ mod tests {
                 })
                 .collect();
             let psd = |f: f64| sigma * sigma / (0.5 * rate_hz) * velocity_gain(f, rate_hz).powi(2);
-            let found = bandwidth_hz(&velocity, rate_hz, psd).unwrap();
+            let found = reach_hz(spectrum(&velocity, rate_hz, psd)).unwrap();
             assert!((0.55..0.9).contains(&found), "{samples} {sigma}: {found}");
         }
     }

@@ -14,7 +14,7 @@ use aurt_traits::{ModelError, Motion, RobotNames};
 use serde_json::{Value, json};
 
 use super::{
-    joints::{JointReport, suitable_f_dyn_hz, tables},
+    joints::{JointReport, tables},
     judged::Judged,
 };
 use crate::doctor::mistakes::oddities;
@@ -62,7 +62,7 @@ impl Inspected {
         let instrument = Instrument::default();
         let pipeline =
             Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
-        let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
+        let prepared = pipeline.preprocess(&loaded, Purpose::Calibration)?.data;
         let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
         Ok(Self { loaded, prepared, joints, stamps, judged: None })
     }
@@ -73,7 +73,7 @@ impl Inspected {
 
     /// The f_dyn that suits it, Hz.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
-        suitable_f_dyn_hz(&self.joints, self.prepared.report.rate_hz)
+        aurt_recording::suitable_f_dyn_hz([&self.prepared])
     }
 
     /// What was found while it was read and put on its grid.

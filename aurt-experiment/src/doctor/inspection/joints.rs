@@ -81,11 +81,6 @@ impl JointReport {
     }
 }
 
-pub fn suitable_f_dyn_hz<'j>(joints: impl IntoIterator<Item = &'j JointReport>, rate_hz: f64) -> Option<f64> {
-    let top_hz = joints.into_iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
-    aurt_recording::suitable_f_dyn_hz(top_hz, rate_hz)
-}
-
 fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }
