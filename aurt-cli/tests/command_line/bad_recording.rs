@@ -42,50 +42,12 @@ fn a_missing_file() {
 }
 
 #[test]
-fn a_missing_column() {
-    let said = refusal(at(1, |l| l.replace("actual_q_3", "angle")), &["line 1", "actual_q", "3"]);
-    assert!(said.contains("missing"), "{said}");
-    refusal(at(1, |l| l.replace("timestamp", "stamp")), &["line 1", "stamp", "time"]);
-    refusal(at(1, |l| l.replace("actual_current", "amps")), &["line 1", "amps_0", "measurement"]);
-}
-
-#[test]
-fn cells_that_are_no_numbers() {
-    refusal(
-        at(100, |l| with_cell(l, 3, "nan")),
-        &["line 100, column 3", "actual_q_1", "nan", "drop = \"nan\""],
-    );
-    refusal(at(101, |l| with_cell(l, 13, "inf")), &["line 101, column 13", "actual_current_5"]);
-    refusal(at(102, |l| with_cell(l, 2, "")), &["line 102, column 2", "empty"]);
-    refusal(at(103, |l| with_cell(l, 1, "1.2.3")), &["line 103, column 1", "1.2.3"]);
-}
-
-#[test]
 fn the_place_is_underlined() {
     let said = refusal(at(100, |l| with_cell(l, 9, "oops")), &["line 100, column 9", "oops"]);
     let lines: Vec<&str> = said.lines().collect();
     let shown = lines.iter().position(|l| l.contains("100 │")).unwrap_or_else(|| panic!("{said}"));
     let column = |line: &str, what: &str| line.split(what).next().unwrap().chars().count();
     assert_eq!(column(lines[shown], "oops"), column(lines[shown + 1], "──"), "{said}");
-}
-
-#[test]
-fn lines_that_are_no_rows() {
-    refusal(at(200, |l| format!("{l},7")), &["line 200", "14 cells", "13"]);
-    refusal(
-        |text| text.trim_end()[..text.trim_end().len() - 30].to_owned(),
-        &["2502", "breaks off", "delete that line"],
-    );
-    refusal(|_| String::new(), &["empty"]);
-    refusal(|text| text.lines().next().unwrap().to_owned() + "\n", &["no row"]);
-}
-
-#[test]
-fn corrupt_rows_beyond_a_small_share() {
-    let many = |text: &str| {
-        (0..60).fold(text.to_owned(), |t, k| with_line(&t, 500 + k, |l| with_cell(l, 4, "1e150")))
-    };
-    refusal(many, &["line 500, column 4", "1e150", "60 of 2501 rows"]);
 }
 
 #[test]
@@ -105,16 +67,6 @@ fn a_few_corrupt_rows_are_dropped_and_told_and_the_prediction_keeps_all_rows() {
     }
     let notes = folder.json("out/metrics.json")["recordings"][0]["notes"].to_string();
     assert!(notes.contains("dropped 2 corrupt rows"), "{notes}");
-}
-
-#[test]
-fn time_that_goes_back() {
-    let back = |text: &str| {
-        let mut lines: Vec<&str> = text.lines().collect();
-        lines[1..].reverse();
-        lines.join("\n") + "\n"
-    };
-    refusal(back, &["line 3", "column 1", "time"]);
 }
 
 #[test]

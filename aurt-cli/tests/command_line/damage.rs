@@ -352,22 +352,6 @@ fn pipes_are_read_once() {
 }
 
 #[test]
-fn files_of_other_kinds_are_told_apart() {
-    let folder = Folder::new().with_whole_demo();
-    let toml = folder.read("experiment.toml");
-    let refused = |bytes: &[u8], said: &[&str]| {
-        fs::write(folder.path("odd.toml"), bytes).unwrap();
-        folder.run("run odd.toml --out out").refused(said);
-    };
-    refused(b"\x1f\x8b\x08\0", &["odd.toml", "gunzip"]);
-    refused(&[b"\xff\xfe".as_slice(), toml.as_bytes()].concat(), &["UTF-16"]);
-    refused(&[toml.as_bytes(), b"\0"].concat(), &["zero byte"]);
-    refused(&[toml.as_bytes(), b"# \xff"].concat(), &["no UTF-8"]);
-    fs::write(folder.path("odd.toml"), [b"\xef\xbb\xbf".as_slice(), toml.as_bytes()].concat()).unwrap();
-    folder.run("run odd.toml --out out").succeeded();
-}
-
-#[test]
 fn a_diagnosis_of_more_joints_than_it_can_weigh_is_refused_at_once() {
     let folder = Folder::new();
     let joints = 30;
@@ -391,44 +375,4 @@ fn a_diagnosis_of_more_joints_than_it_can_weigh_is_refused_at_once() {
     );
     folder.run("diagnose experiment.toml --out out").refused(&["experiment.toml", "30 joints", "up to 20"]);
     assert!(!folder.path("out").exists());
-}
-
-#[test]
-fn an_interrupted_command_answers_at_once_and_leaves_nothing_half_done() {
-    let folder = Folder::new().with_whole_demo();
-    let begin = Instant::now();
-    folder.run("diagnose experiment.toml --out whole");
-    // What does not listen goes on to its end, however busy the machine is.
-    let longest = (begin.elapsed() / 2).max(Duration::from_secs(1));
-    for signal in ["INT", "TERM"] {
-        for after_ms in [30, 150, 400] {
-            let child = Command::new(env!("CARGO_BIN_EXE_aurt"))
-                .args(["diagnose", "experiment.toml", "--out", "out"])
-                .current_dir(folder.path(""))
-                .stdout(Stdio::null())
-                .stderr(Stdio::piped())
-                .spawn()
-                .unwrap();
-            std::thread::sleep(Duration::from_millis(after_ms));
-            let begin = Instant::now();
-            assert!(
-                Command::new("kill")
-                    .args(["-s", signal, &child.id().to_string()])
-                    .status()
-                    .unwrap()
-                    .success()
-            );
-            let output = child.wait_with_output().unwrap();
-            assert!(begin.elapsed() < longest, "{signal}: {:?}", begin.elapsed());
-            let said = String::from_utf8_lossy(&output.stderr);
-            // Before the command listens, the system ends it by itself.
-            match output.status.code() {
-                Some(130) => assert!(said.contains("interrupted: "), "{said}"),
-                Some(code) => assert!(code < 2, "{code}: {said}"),
-                None => assert!(after_ms < 100, "{said}"),
-            }
-            let stray = folder.names().into_iter().find(|name| name.starts_with(".aurt-"));
-            assert_eq!(stray, None);
-        }
-    }
 }
