@@ -47,7 +47,7 @@ pub(crate) fn look(fitted: &Fitted<'_>, known: Option<&Shift>) -> Result<Looked,
     Ok(Looked { joints, f_dyn, draws, shift })
 }
 
-/// The f_dyn of recordings, and that which suits their motion: the fastest motion and the slowest clock decide.
+/// The f_dyn of recordings, and that which suits their motion.
 fn bandwidth(recordings: &[&NamedRecording]) -> Option<FittedBandwidth> {
     let suitable_hz = suitable_f_dyn_hz(recordings.iter().map(|recording| &recording.data))?;
     // The parallel filter cuts at twice f_dyn.

@@ -1,4 +1,5 @@
-//! Recordings with every fault that a recording can have: the message names file, line, column and remedy.
+//! Recordings with faults: the message names file, line, column and remedy, and nothing is left behind. What is wrong with cells and
+//! rows is tested where they are read.
 
 use crate::support::{Folder, assert_has, column, one_line, with_cell, with_line, without_constants};
 

@@ -135,7 +135,6 @@ fn a_new_rust_plugin_is_calibrated_and_swept() {
     // The versions of this workspace, so that nothing has to be downloaded.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     fs::copy(root.join("Cargo.lock"), folder.path("drag-rust/Cargo.lock")).unwrap();
-    // Another test builds a new plugin here too; what both depend on is built once.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-plugin-target");
     let cargo = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO"));

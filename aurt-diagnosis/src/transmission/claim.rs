@@ -240,6 +240,10 @@ impl<'a> JointRows<'a> {
             amplitudes.push(amplitude);
         }
         let total = gains[0] + gains[1];
+        // A gear that its load topples in the rows that judge it is none.
+        if !total.is_finite() {
+            return None;
+        }
         let better = usize::from(
             fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
                 > fitted_gain(sums(&self.moments(&self.all, shapes[0]), blocks)),
@@ -403,7 +407,8 @@ fn gain([cc, cr]: [f64; 2], amplitude: f64) -> f64 {
 }
 
 fn fitted_gain(moments: [f64; 2]) -> f64 {
-    Some(gain(moments, amplitude(moments))).filter(|gain| gain.is_finite()).unwrap_or(0.0)
+    let gain = gain(moments, amplitude(moments));
+    if gain.is_finite() { gain } else { 0.0 }
 }
 
 #[cfg(test)]

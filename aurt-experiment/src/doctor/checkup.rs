@@ -186,7 +186,7 @@ impl Checkup {
         findings
     }
 
-    /// The f_dyn that suits all motions, Hz: the fastest motion and the slowest clock decide.
+    /// The f_dyn that suits all motions together, Hz.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
         aurt_recording::suitable_f_dyn_hz(self.alone.iter().map(|one| &one.prepared))
     }

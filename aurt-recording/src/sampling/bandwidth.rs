@@ -1,6 +1,6 @@
 //! The frequencies of a motion, and the f_dyn that suits it.
 
-use crate::noise::{PositionNoise, velocity_gain};
+use crate::noise::velocity_gain;
 use crate::preprocess::Preprocessed;
 
 const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
@@ -20,9 +20,8 @@ pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocess
     let (mut spectrum, mut slowest_hz) = (Vec::new(), f64::INFINITY);
     for recording in recordings {
         slowest_hz = slowest_hz.min(recording.report.rate_hz);
-        for (joint, noise) in recording.position_noise.iter().enumerate() {
-            spectrum.extend(recording.velocity_spectrum(joint, noise));
-        }
+        spectrum
+            .extend((0..recording.position_noise.len()).flat_map(|joint| recording.velocity_spectrum(joint)));
     }
     let top_hz = reach_hz(spectrum)?;
     let possible = |f: &f64| 10.0 * f < slowest_hz;
@@ -44,21 +43,22 @@ fn reach_hz(mut spectrum: Vec<(f64, f64)>) -> Option<f64> {
 
 impl Preprocessed {
     /// The frequency below which 99.9 % of the power of a joint's velocity lies, in Hz, in the longest stretch without gaps; `None`
-    /// if nothing exceeds the noise of its positions.
+    /// if nothing exceeds the noise of its positions, or that was not estimated.
     #[must_use]
-    pub fn bandwidth_hz(&self, joint: usize, noise: &PositionNoise) -> Option<f64> {
-        reach_hz(self.velocity_spectrum(joint, noise))
+    pub fn bandwidth_hz(&self, joint: usize) -> Option<f64> {
+        reach_hz(self.velocity_spectrum(joint))
     }
 
     /// The power of a joint's velocity above the noise of its positions in the longest stretch without gaps, frequency by frequency.
-    fn velocity_spectrum(&self, joint: usize, noise: &PositionNoise) -> Vec<(f64, f64)> {
+    fn velocity_spectrum(&self, joint: usize) -> Vec<(f64, f64)> {
+        let longest = self.segments.iter().max_by_key(|s| s.motion.samples());
+        let (Some(longest), Some(noise)) = (longest, self.position_noise.get(joint)) else {
+            return Vec::new();
+        };
         let filter = self.report.position_filter().ok();
         let velocity_noise_psd = |f: f64| {
             let filtered = filter.as_ref().map_or(1.0, |filter| filter.gain(f));
             noise.psd(f) * (filtered * velocity_gain(f, self.report.rate_hz)).powi(2)
-        };
-        let Some(longest) = self.segments.iter().max_by_key(|s| s.motion.samples()) else {
-            return Vec::new();
         };
         spectrum(longest.motion.view().velocity_rad_s(joint), longest.rate_hz, velocity_noise_psd)
     }

@@ -1,6 +1,6 @@
 //! What a recording covers and how its sensors are, joint by joint.
 
-use aurt_recording::{PositionNoise, Preprocessed, Recording};
+use aurt_recording::{Preprocessed, Recording};
 use aurt_report::rendering::number::significant;
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
@@ -52,7 +52,6 @@ impl JointReport {
         let samples: usize = motions().map(|m| m.samples()).sum();
         let moving: usize =
             motions().flat_map(|m| m.velocity_rad_s(joint)).filter(|v| v.abs() > rest_velocity_rad_s).count();
-        let noise = PositionNoise::of(&recording.time_s, position);
         let longest = prepared.segments.iter().max_by_key(|s| s.motion.samples());
         Self {
             position_rad: range(position),
@@ -60,7 +59,7 @@ impl JointReport {
             max_acceleration_rad_s2: largest(&mut motions().map(|m| m.acceleration_rad_s2(joint))),
             moving_share: moving as f64 / samples.max(1) as f64,
             reversals: motions().map(|m| reversals(m.velocity_rad_s(joint), rest_velocity_rad_s)).sum(),
-            bandwidth_hz: if moving > 0 { prepared.bandwidth_hz(joint, &noise) } else { None },
+            bandwidth_hz: if moving > 0 { prepared.bandwidth_hz(joint) } else { None },
             position_step_rad: resolution(position),
             position_noise_rad: white_noise(position),
             measurement: recording.measurement.as_ref().map(|m| {
