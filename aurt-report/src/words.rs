@@ -333,6 +333,12 @@ pub fn undecidable(effect: &NotDecidable, names: RobotNames<'_>) -> String {
     format!("{} ({})", effect.effect, names.joint_list(&effect.joints))
 }
 
+/// The band in which model and measurement are compared; `None` in a verdict that does not have it.
+pub fn band(verdict: &Verdict) -> Option<String> {
+    let f_dyn_hz = verdict.settings.f_dyn_hz?;
+    Some(format!("all errors are of dynamics up to {f_dyn_hz} Hz (f_dyn)"))
+}
+
 /// The gears that would have shown, from the least to the most of all joints, in a sentence.
 pub fn visible_gears(verdict: &Verdict) -> Option<String> {
     let gears = &verdict.gears_visible;

@@ -9,14 +9,14 @@ use aurt_diagnosis::{
 };
 use aurt_plugins::Registry;
 use aurt_plugins::model::Error as ModelFileError;
-use aurt_recording::{Recording, RobotJoints};
+use aurt_recording::{PreprocessOptions, Recording, RobotJoints, median_step_s, suitable_f_dyn_hz};
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::Value;
 
 use crate::{
     calibrated_file::CalibratedModel,
     calibrating::Settings,
-    data::{Instrument, Loaded, Pipeline, Source},
+    data::{Instrument, Loaded, Pipeline, Purpose, Source},
     duplicates::SampleRegister,
     effects::{Effect, Named},
     error::Error,
@@ -209,9 +209,13 @@ impl Diagnoser {
         };
         self.check()?;
         let Settings { preprocessing, instrument, calibration } = &self.settings;
-        let pipeline = Pipeline { joints: self.joints(), preprocessing, instrument };
+        let joints = self.joints();
         let loaded: Vec<Loaded> =
-            self.parts.iter().map(|part| part.loaded(&pipeline.joints)).collect::<Result<_, _>>()?;
+            self.parts.iter().map(|part| part.loaded(&joints)).collect::<Result<_, _>>()?;
+        let of_motion = || suitable_hz(&loaded, &joints).unwrap_or(preprocessing.f_dyn_hz);
+        let f_dyn_hz = self.selection.f_dyn_hz.unwrap_or_else(of_motion);
+        let preprocessing = &PreprocessOptions { f_dyn_hz, ..preprocessing.clone() };
+        let pipeline = Pipeline { joints, preprocessing, instrument };
         SampleRegister::check(
             loaded.iter().zip(&self.parts).map(|(loaded, part)| (loaded, part.role.name())),
         )?;
@@ -228,9 +232,9 @@ impl Diagnoser {
             frozen: self.given.as_ref(),
             recordings: &recordings,
             unit,
-            f_dyn_hz: preprocessing.f_dyn_hz,
+            f_dyn_hz,
             calibration: *calibration,
-            selection: self.selection,
+            selection: SelectionOptions { f_dyn_hz: Some(f_dyn_hz), ..self.selection },
             without: &self.without,
             structure: None,
         };
@@ -287,6 +291,19 @@ impl Diagnoser {
             .collect::<Result<_, Error>>()?;
         Ok(job.fit(&assigned, Detail::Errors, &Progress::silent())?.calibrated)
     }
+}
+
+/// The f_dyn that suits the motion of recordings; `None` if nothing moves.
+fn suitable_hz(loaded: &[Loaded], joints: &RobotJoints) -> Option<f64> {
+    let rate_hz = |one: &Loaded| Some(1.0 / median_step_s(&one.recording.time_s)?);
+    let lowest_hz = loaded.iter().filter_map(rate_hz).fold(f64::INFINITY, f64::min);
+    let preprocessing = PreprocessOptions::first_look(lowest_hz);
+    let instrument = Instrument::default();
+    let pipeline =
+        Pipeline { joints: joints.clone(), preprocessing: &preprocessing, instrument: &instrument };
+    let looked: Vec<_> =
+        loaded.iter().filter_map(|one| pipeline.preprocess_as_read(one, Purpose::Calibration).ok()).collect();
+    suitable_f_dyn_hz(looked.iter().map(|one| &one.data))
 }
 
 /// The instrument with what was found of it: gains multiply, delays add up.

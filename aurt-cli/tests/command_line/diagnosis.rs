@@ -254,6 +254,14 @@ fn the_improved_experiment_has_what_was_left_out() {
     let verdict = folder.json("lacking/verdict.json");
     assert_eq!(verdict["effects"][0]["effect"], "rotor_inertia", "{verdict}");
     assert_eq!(verdict["effects"][0]["joints"], serde_json::json!([2, 3, 4, 5]));
+    // The band is that of the motion: the experiment's f_dyn, of the calibration, changes nothing.
+    assert!(whole.contains("f_dyn_hz = 5.0"));
+    folder.edit("lacking.toml", |text| text.replace("f_dyn_hz = 5.0", "f_dyn_hz = 2.0"));
+    folder.run("diagnose lacking.toml --out slower --verdict-only");
+    assert_eq!(folder.json("slower/verdict.json"), verdict);
+    folder.edit("lacking.toml", |text| format!("{text}\n[diagnosis]\nf_dyn_hz = 4.5\n"));
+    folder.run("diagnose lacking.toml --out asked --verdict-only");
+    assert_eq!(folder.json("asked/verdict.json")["settings"]["f_dyn_hz"], 4.5);
     folder.run("run lacking/improved.toml --out again --quiet").succeeded();
     let again = folder.json("again/rd_calibrated.json");
     assert_eq!(

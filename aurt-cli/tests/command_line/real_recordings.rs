@@ -184,9 +184,9 @@ fn a_check_tells_what_a_motion_leaves_out() {
     // An exciting motion of all joints leaves nothing out, and nothing to heed at the f_dyn that the check recommends; at
     // 10 Hz noise covers what is small.
     let (recording, mdh) = (text(&data.join("ur10e/excitation_20s.csv")), text(&data.join("ur10e/mdh.csv")));
-    let report = folder.run(format!("check {recording} --mdh {mdh} --f-dyn-hz 2.5")).succeeded().stdout();
+    let report = folder.run(format!("check {recording} --mdh {mdh} --f-dyn-hz 4")).succeeded().stdout();
     assert!(report.contains("48 determined, 0 only in combinations, 0 out of"), "{report}");
-    assert!(report.contains("f_dyn_hz = 2.5 under [preprocess]"), "{report}");
+    assert!(report.contains("f_dyn_hz = 4 under [preprocess]"), "{report}");
 }
 
 /// A trajectory that ran twice, once with a load, is two recordings; one at 500 Hz made from 100 Hz is a copy.

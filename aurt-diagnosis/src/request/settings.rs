@@ -9,6 +9,9 @@ use serde_json::{Value, json};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionOptions {
+    /// Highest frequency of the dynamics that are looked at, Hz. `None` takes the one that suits the motion
+    /// ([`suitable_f_dyn_hz`](aurt_recording::suitable_f_dyn_hz)); the settings of a verdict have the one that was taken.
+    pub f_dyn_hz: Option<f64>,
     /// Least score: odds of e⁸ = 3000 to one, against some hundred hypotheses that are tried.
     pub score: f64,
     /// Least share by which the effect lowers the held-out mean squared error of some joint. Two stretches of one
@@ -52,7 +55,7 @@ pub struct SelectionOptions {
 const USUAL_INDEPENDENT_HZ: f64 = 40.0;
 
 /// Settings that are no shares: they may exceed one.
-const NO_SHARES: [&str; 5] = ["score", "most", "rounds", "tie_nats", "null_shifts"];
+const NO_SHARES: [&str; 6] = ["f_dyn_hz", "score", "most", "rounds", "tie_nats", "null_shifts"];
 
 impl SelectionOptions {
     /// The log-MSE that an effect must bring on some joint, whose error has so many independent samples per second: −ln(1 −
@@ -97,6 +100,7 @@ impl SelectionOptions {
 impl Default for SelectionOptions {
     fn default() -> Self {
         Self {
+            f_dyn_hz: None,
             score: 8.0,
             reduction: 0.05,
             share: 0.12,

@@ -78,6 +78,17 @@ impl PositionNoise {
         self.white_rad * self.white_rad / nyquist_hz + self.lattice.get(bin).copied().unwrap_or(0.0)
     }
 
+    /// Mean square of the noise in accelerations below a frequency, (rad/s²)²: ∫ (2πf)⁴ S(f) df.
+    #[must_use]
+    pub fn acceleration_power(&self, below_hz: f64) -> f64 {
+        let width_hz = below_hz / BINS as f64;
+        let power = |bin: usize| {
+            let frequency_hz = (bin as f64 + 0.5) * width_hz;
+            self.psd(frequency_hz) * (std::f64::consts::TAU * frequency_hz).powi(4) * width_hz
+        };
+        (0..BINS).map(power).sum()
+    }
+
     /// Power of the lattice's error in differences of an order, scaled to unit gain of white noise.
     fn in_differences(&self, order: usize) -> f64 {
         let width_hz = 0.5 * self.rate_hz / BINS as f64;

@@ -4,29 +4,52 @@ use crate::noise::velocity_gain;
 use crate::preprocess::Preprocessed;
 
 const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
-/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
-const ROOM: f64 = 3.0;
+/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into odd harmonics of it.
+const ROOM: f64 = 5.0;
 /// Share of the power of a motion that lies below that frequency.
 const SHARE: f64 = 0.999;
+/// Arms are rigid below this frequency, Hz: the lowest resonances of their gears lie at 10 Hz and above, and no model of rigid
+/// links follows them.
+const RIGID_HZ: f64 = 10.0;
+/// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
+const NOISE_SHARE: f64 = 0.01;
 
-/// The f_dyn that suits recordings whose `position_noise` was estimated: the lowest round one with room above the frequency below
-/// which 99.9 % of the power of the velocities of all joints and recordings lies, and whose position filter, at 5 f_dyn, still lies
-/// below half of each sampling rate. `None` if nothing moves.
+/// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
+///
+/// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
+/// one of at least 5 f, or of at least 10 Hz where that is less; lower where noise of the positions below it has more than 1 % of the
+/// power of the accelerations, but not below f. The position filter, at 5 f_dyn, lies below half of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
 /// weight of its mean power, whatever its length and rate.
 #[must_use]
 pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Option<f64> {
     let (mut spectrum, mut slowest_hz) = (Vec::new(), f64::INFINITY);
+    let mut noises = Vec::new();
     for recording in recordings {
         slowest_hz = slowest_hz.min(recording.report.rate_hz);
         spectrum
             .extend((0..recording.position_noise.len()).flat_map(|joint| recording.velocity_spectrum(joint)));
+        noises.extend(&recording.position_noise);
     }
-    let top_hz = reach_hz(spectrum)?;
-    let possible = |f: &f64| 10.0 * f < slowest_hz;
-    let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
-    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible))
+    let accelerations: f64 =
+        spectrum.iter().map(|(f, power)| power * (std::f64::consts::TAU * f).powi(2)).sum();
+    let quiet = |f_dyn_hz: f64| {
+        noises.iter().map(|noise| noise.acceleration_power(f_dyn_hz)).sum::<f64>()
+            <= NOISE_SHARE * accelerations
+    };
+    chosen_hz(reach_hz(spectrum)?, slowest_hz, quiet)
+}
+
+/// f_dyn for motion below `top_hz` at a sampling rate, where noise allows it only if it is `quiet`.
+fn chosen_hz(top_hz: f64, rate_hz: f64, quiet: impl Fn(f64) -> bool) -> Option<f64> {
+    let possible: Vec<f64> = F_DYN_HZ.into_iter().filter(|f| 10.0 * f < rate_hz).collect();
+    let least = |wanted_hz: f64| {
+        possible.iter().position(|f| *f >= wanted_hz).unwrap_or(possible.len().saturating_sub(1))
+    };
+    let (lowest, wanted) = (least(top_hz), least((ROOM * top_hz).min(RIGID_HZ).max(top_hz)));
+    let chosen = (lowest..=wanted).rev().find(|k| possible.get(*k).is_some_and(|f| quiet(*f)));
+    possible.get(chosen.unwrap_or(lowest)).copied()
 }
 
 /// The frequency below which 99.9 % of the power of a spectrum lies; `None` without power.
@@ -109,7 +132,8 @@ fn spectrum(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Vec
         }
         let power = last * last + before * before - 2.0 * turn(k).cos() * last * before;
         let above = if power > reach * noise(frequency_hz) { power } else { 0.0 };
-        (frequency_hz, above / (n * n) as f64)
+        // Half of Parseval's sum, and Hann's window again: the mean square.
+        (frequency_hz, above / (0.1875 * (n * n) as f64))
     };
     (1..n / 2).map(bin).collect()
 }
@@ -127,6 +151,22 @@ mod tests {
                 state - 0.5
             })
             .collect()
+    }
+
+    #[test]
+    fn the_band_has_room_where_arms_are_rigid_and_noise_allows_it() {
+        let chosen = |top_hz, rate_hz, quiet_hz: f64| chosen_hz(top_hz, rate_hz, |f| f <= quiet_hz);
+        let quiet = f64::INFINITY;
+        assert_eq!(chosen(0.6, 500.0, quiet), Some(3.0));
+        assert_eq!(chosen(0.1, 500.0, quiet), Some(1.0));
+        // Five times the motion's frequency is beyond rigid arms; the motion itself is not cut.
+        assert_eq!(chosen(4.0, 500.0, quiet), Some(10.0));
+        assert_eq!(chosen(12.0, 500.0, quiet), Some(15.0));
+        // Noise, and the rate.
+        assert_eq!(chosen(0.6, 500.0, 2.0), Some(2.0));
+        assert_eq!(chosen(0.6, 500.0, 0.0), Some(1.0));
+        assert_eq!(chosen(0.6, 25.0, quiet), Some(2.0));
+        assert_eq!(chosen(0.6, 9.0, quiet), None);
     }
 
     #[test]

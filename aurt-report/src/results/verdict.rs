@@ -13,8 +13,8 @@ use crate::{
         text::{WIDTH, wrapped, wrapped_with},
     },
     words::{
-        Group, HOW_LARGE, all_indicated, claim, explained, follows, groups, headline, nothing, objection,
-        undecidable, visible_gears,
+        Group, HOW_LARGE, all_indicated, band, claim, explained, follows, groups, headline, nothing,
+        objection, undecidable, visible_gears,
     },
 };
 
@@ -69,6 +69,7 @@ impl Shown<'_> {
         }
         self.table(&mut text);
         text.push_str(&wrapped(&format!("held out: {}", self.held_out.join(", "))));
+        text.extend(band(verdict).map(|said| wrapped(&said)));
         text.extend(explained(verdict).map(|said| wrapped(&said)));
         if !verdict.not_decidable.is_empty() {
             let names: Vec<String> =

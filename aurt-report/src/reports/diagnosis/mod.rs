@@ -185,7 +185,11 @@ impl Diagnosed<'_> {
         let bars = Bars {
             title: "held-out error, root mean square".into(),
             name: "held_out".into(),
-            caption: format!("Each joint on its own scale. Held out: {}.", file_names(self.held_out)),
+            caption: format!(
+                "Each joint on its own scale. Held out: {}{}.",
+                file_names(self.held_out),
+                words::band(self.verdict).map(|band| format!("; {band}")).unwrap_or_default()
+            ),
             unit: unit.into(),
             series: vec![("before".into(), Style::Before), ("after".into(), Style::After)],
             level_name: "noise alone".into(),
