@@ -3,6 +3,7 @@ use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::*;
+use crate::dice::Dice;
 use crate::recordings::rows::{JointRows, Role};
 
 /// Lengths of a planar arm of three links whose axes point along y, m.
@@ -72,27 +73,14 @@ impl RigidBodyRegressor for PlanarMasses {
     }
 }
 
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
-
 /// 30 s of three joints that swing, 25 rows a second.
 fn rows(seed: u64) -> RecordingRows {
-    let mut random = Random(seed);
+    let mut dice = Dice(seed);
     let n = 750;
     let time_s: Vec<f64> = (0..n).map(|k| 100.0 + 0.04 * k as f64).collect();
     let joints = (0..3)
         .map(|_| {
-            let (w, phase, size) = (1.0 + random.uniform(), 6.0 * random.uniform(), 0.5 + random.uniform());
+            let (w, phase, size) = (1.0 + dice.uniform(), 6.0 * dice.uniform(), 0.5 + dice.uniform());
             JointRows {
                 measurement: vec![0.0; n],
                 position_rad: time_s.iter().map(|t| size * (w * t + phase).sin()).collect(),
@@ -113,7 +101,7 @@ fn rows(seed: u64) -> RecordingRows {
 
 /// Residuals of different size by joint, with memory over some rows and, at every reversal, an error of friction.
 fn background(rows: &RecordingRows, seed: u64, memory: f64) -> Vec<Vec<f64>> {
-    let mut random = Random(seed ^ 0xabcd);
+    let mut dice = Dice(seed ^ 0xabcd);
     rows.joints
         .iter()
         .zip([1.0, 0.5, 0.2])
@@ -121,7 +109,7 @@ fn background(rows: &RecordingRows, seed: u64, memory: f64) -> Vec<Vec<f64>> {
             let mut state = 0.0;
             (0..rows.rows())
                 .map(|k| {
-                    state = memory * state + (1.0 - memory * memory).sqrt() * random.normal();
+                    state = memory * state + (1.0 - memory * memory).sqrt() * dice.gaussian();
                     let v = joint.velocity_rad_s[k];
                     level * (state + 2.0 * v.signum() * (-(v / 0.1).powi(2)).exp())
                 })

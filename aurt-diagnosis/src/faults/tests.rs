@@ -5,20 +5,7 @@ use aurt_traits::MeasurementUnit;
 use proptest::prelude::*;
 
 use super::*;
-
-/// Uniform numbers in 0–1 from a linear congruential sequence.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
+use crate::dice::Dice;
 
 fn rounded(value: f64, step: f64) -> f64 {
     (value / step).round() * step
@@ -27,7 +14,7 @@ fn rounded(value: f64, step: f64) -> f64 {
 /// Three joints: two that swing, with a rest of 2 s in the middle, and one that never moves and whose drive shows
 /// nothing. Encoder steps of 1e-4 rad, measurement steps of `step`, stamps alternating by `jitter_s`.
 fn recording(seed: u64, rate_hz: f64, jitter_s: f64, noise: f64, step: f64) -> Recording {
-    let mut random = Random(seed);
+    let mut dice = Dice(seed);
     let n = (20.0 * rate_hz) as usize;
     let mut time_s = Vec::new();
     let mut q = vec![Vec::new(), Vec::new(), Vec::new()];
@@ -41,7 +28,7 @@ fn recording(seed: u64, rate_hz: f64, jitter_s: f64, noise: f64, step: f64) -> R
             let angle = (w * phase).sin() + 0.3 * (2.3 * w * phase).cos();
             let torque = 30.0 * (w * phase).sin() + 8.0 * (3.1 * w * phase + 0.4).cos();
             q[j].push(rounded(angle, 1e-4));
-            y[j].push(rounded(torque + noise * random.normal(), step));
+            y[j].push(rounded(torque + noise * dice.gaussian(), step));
         }
         q[2].push(0.7);
         y[2].push(0.0);

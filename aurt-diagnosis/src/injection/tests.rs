@@ -10,6 +10,7 @@ use aurt_traits::{MeasurementUnit, Motion, RegressorTile, RobotModel};
 
 use super::{AddedRows, Prepared};
 use crate::{
+    dice::Dice,
     investigation::investigate,
     recordings::rows::Role,
     request::{Question, QuestionedRecording, SelectionOptions},
@@ -67,21 +68,14 @@ fn recording(model: &RobotModel, seed: u64, seconds: f64) -> Recording {
     let destination: Vec<u32> = (0..2 * n).map(|k| k as u32).collect();
     let mut data = vec![0.0; 2 * n * count];
     body.evaluate(motion.view(), &mut RegressorTile::new(&destination, n, count, count, &mut data));
-    let mut state = seed.wrapping_mul(7919).wrapping_add(13);
-    let mut noise = || {
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        NOISE_NM * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)
-    };
+    let mut dice = Dice(seed.wrapping_mul(7919).wrapping_add(13));
     let measurement = (0..2)
         .map(|j| {
             (0..count)
                 .map(|k| {
                     let links: f64 = (0..n).map(|p| parameters[p] * data[(j * n + p) * count + k]).sum();
                     let v = velocity[j * count + k];
-                    links + 2.0 * v.signum() + 1.5 * v + noise()
+                    links + 2.0 * v.signum() + 1.5 * v + NOISE_NM * dice.normal()
                 })
                 .collect()
         })

@@ -183,14 +183,12 @@ fn best_split(classes: &[Vec<u8>], left: &[f64], rows: &[usize], leaf_rows: usiz
 #[cfg(test)]
 mod tests {
     use super::{Boosted, Edges, Growth};
+    use crate::dice::Dice;
 
     /// Rows with a law in two features, a third that has no part in it, and noise of deviation one half.
     fn drawn(law: impl Fn(f64, f64) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let mut state = 7_u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            2.0 * ((state >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
-        };
+        let mut dice = Dice(7);
+        let mut uniform = || 2.0 * dice.uniform() - 1.0;
         let rows = 4000;
         let features: Vec<Vec<f64>> = (0..3).map(|_| (0..rows).map(|_| uniform()).collect()).collect();
         let values = (0..rows).map(|k| law(features[0][k], features[1][k]) + 0.866 * uniform()).collect();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::ground::{Beside, Ground};
 use super::selection::{Selection, Selector};
+use crate::dice::Dice;
 use crate::effects;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;
@@ -30,13 +31,10 @@ struct Rows {
     layout: Layout,
 }
 
-/// Uniform values of unit variance from a linear congruential sequence.
+/// Uniform values of unit variance.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12f64.sqrt()
-    }
+    let mut dice = Dice(seed);
+    move || (dice.uniform() - 0.5) * 12f64.sqrt()
 }
 
 /// A recording whose columns are wanderings that have nothing to do with one another, measured as their sum with

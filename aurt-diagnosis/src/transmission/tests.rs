@@ -11,24 +11,13 @@ use super::gravity::GravityGradients;
 use super::rows::{Kind, Rows};
 use super::series::FullRate;
 use super::shape::Shape;
+use crate::dice::Dice;
 use crate::noise::inertia::InertiaColumns;
 
 const SECONDS: f64 = 30.0;
 /// M of two joints, kg m².
 const INERTIA: [[f64; 2]; 2] = [[2.0, 0.4], [0.4, 0.5]];
 const TORQUE_NOISE_NM: f64 = 0.2;
-
-/// Deviates of unit variance: sums of twelve uniforms.
-fn normal(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
-}
 
 /// Sines of a motor, Hz and rad: slow ones, and the small fast motion of a servo.
 const SINES: [(f64, f64); 7] =
@@ -70,7 +59,7 @@ fn motion(sines: usize, joint: usize, t: f64) -> [f64; 2] {
 fn searched(motors: Motors) -> Option<Found> {
     let Motors { rate_hz, encoder_noise_rad, hz, half_gap_rad, f_dyn_hz, sines } = motors;
     let samples = (SECONDS * rate_hz) as usize;
-    let mut noise = normal(3);
+    let mut dice = Dice(3);
     let (mut x, mut v) = (0.0_f64, 0.0);
     let mut recording = Recording {
         file: "made".into(),
@@ -104,9 +93,9 @@ fn searched(motors: Motors) -> Option<Found> {
             }
         }
         for j in 0..2 {
-            recording.position_rad[j].push(motion(sines, j, t)[0] + encoder_noise_rad[j] * noise());
+            recording.position_rad[j].push(motion(sines, j, t)[0] + encoder_noise_rad[j] * dice.normal());
             let torque = INERTIA[j][0] * (acceleration[0] + link) + INERTIA[j][1] * acceleration[1];
-            measured[j].push(torque + TORQUE_NOISE_NM * noise());
+            measured[j].push(torque + TORQUE_NOISE_NM * dice.normal());
         }
     }
     recording.measurement = Some(measured);

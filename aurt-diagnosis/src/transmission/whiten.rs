@@ -101,14 +101,11 @@ fn median_magnitude(series: &[f64], counts: &[bool]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dice::Dice;
 
     fn noise(count: usize) -> Vec<f64> {
-        let mut state = 7_u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+        let mut dice = Dice(7);
+        (0..count).map(|_| dice.normal()).collect()
     }
 
     #[test]

@@ -87,21 +87,17 @@ fn standing_out(bins: &[Bin], independent_share: f64, floor: f64) -> Vec<usize> 
 #[cfg(test)]
 mod tests {
     use super::{Bin, independent_share, standing_out};
+    use crate::dice::Dice;
 
     const BIN: usize = 8;
 
     /// Noise that remembers `memory` of a row, and how many of its bins stand out, with a burst in one of them.
     fn found(seed: u64, memory: f64, burst: f64) -> usize {
-        let mut state = seed;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
-        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>();
+        let mut dice = Dice(seed);
         let mut value = 0.0;
         let noise: Vec<f64> = (0..120 * BIN)
             .map(|row| {
-                value = memory * value + (1.0 - memory * memory).sqrt() * normal();
+                value = memory * value + (1.0 - memory * memory).sqrt() * dice.normal();
                 value + if row / BIN == 40 { burst } else { 0.0 }
             })
             .collect();

@@ -65,15 +65,7 @@ fn strongest_line(series: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{factors, strongest_line};
-    use crate::verdict::JointResidual;
-
-    fn noise() -> impl FnMut() -> f64 {
-        let mut state = 7_u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        }
-    }
+    use crate::{dice::Dice, verdict::JointResidual};
 
     #[test]
     fn what_has_no_shape_is_noise_however_little_and_what_has_one_is_not() {
@@ -94,7 +86,8 @@ mod tests {
 
     #[test]
     fn a_hum_is_a_line_and_wandering_noise_is_none() {
-        let mut draw = noise();
+        let mut dice = Dice(7);
+        let mut draw = || dice.uniform() - 0.5;
         let hum: Vec<f64> = (0..1500).map(|k| (0.37 * f64::from(k)).sin() + draw()).collect();
         assert!(strongest_line(&hum) > 0.7, "{}", strongest_line(&hum));
         let mut value = 0.0;

@@ -6,17 +6,11 @@ use aurt_friction::drives::PositionServo;
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
 use aurt_traits::CommandSignal;
 
-/// Even numbers in 0 … 1 (Knuth's multiplier).
-struct Dice(u64);
+use crate::dice::Dice;
 
 impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.roll()
+        low + (high - low) * self.uniform()
     }
 }
 
@@ -67,7 +61,7 @@ fn command(dice: &mut Dice) -> Vec<f64> {
     let mut all: Vec<f64> = (0..500).map(|k| sine(k as f64 * 0.02)).collect();
     while all.len() < 1200 {
         let (from, to) = (all[all.len() - 1], dice.between(-0.7, 0.7));
-        let ramp = if dice.roll() < 0.5 { 1 } else { dice.between(30.0, 120.0) as usize };
+        let ramp = if dice.uniform() < 0.5 { 1 } else { dice.between(30.0, 120.0) as usize };
         all.extend((1..=ramp).map(|k| from + (to - from) * k as f64 / ramp as f64));
         all.extend(std::iter::repeat_n(to, dice.between(20.0, 60.0) as usize));
     }

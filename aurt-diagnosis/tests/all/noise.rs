@@ -16,6 +16,8 @@ use aurt_simulation::{Motion, Robot, Scenario, SimulatedRecording, robots, simul
 use aurt_traits::{ArmTerm, MeasurementUnit, Motion as Series, RegressorTile, RobotModel};
 use serde_json::json;
 
+use crate::dice::Dice;
+
 const F_DYN_HZ: f64 = 10.0;
 const VISCOUS_NM_S: f64 = 9.0;
 
@@ -44,18 +46,6 @@ const PERFECT: Sight = Sight {
     corner_hz: 1.0,
     coulomb_nm: 6.0,
 };
-
-struct Normal(u64);
-
-impl Normal {
-    fn next(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
-}
 
 fn model_of(robot: &Robot) -> RobotModel {
     model_with(robot, "constant")
@@ -108,10 +98,10 @@ fn torque(robot: &Robot, model: &RobotModel, motion: &Series, coulomb_nm: f64) -
 fn recording(robot: &Robot, model: &RobotModel, motion: &Motion, sight: &Sight, seed: u64) -> Recording {
     let plan = motion.plan(robot, seed).unwrap();
     let joints = robot.joints();
-    let mut normal = Normal(seed.wrapping_add(77));
+    let mut dice = Dice(seed.wrapping_add(77));
     let count = (plan.duration_s() * sight.rate_hz) as usize;
     let time: Vec<f64> = (0..count)
-        .map(|k| (k as f64 + sight.jitter * normal.next().clamp(-4.0, 4.0)) / sight.rate_hz)
+        .map(|k| (k as f64 + sight.jitter * dice.normal().clamp(-4.0, 4.0)) / sight.rate_hz)
         .collect();
     let mut series = [vec![0.0; joints * count], vec![0.0; joints * count], vec![0.0; joints * count]];
     let (mut q, mut v, mut a) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
@@ -128,19 +118,19 @@ fn recording(robot: &Robot, model: &RobotModel, motion: &Motion, sight: &Sight, 
     let mut measurement = torque(robot, model, &exact, sight.coulomb_nm);
     let a = (-std::f64::consts::TAU * sight.corner_hz / sight.rate_hz).exp();
     for series in &mut measurement {
-        let mut state = sight.markov_nm * normal.next();
+        let mut state = sight.markov_nm * dice.normal();
         for value in series.iter_mut() {
-            state = a * state + sight.markov_nm * (1.0 - a * a).sqrt() * normal.next();
-            *value += state + sight.white_nm * normal.next();
+            state = a * state + sight.markov_nm * (1.0 - a * a).sqrt() * dice.normal();
+            *value += state + sight.white_nm * dice.normal();
         }
     }
-    let shown = |q: &f64, normal: &mut Normal| {
-        let q = q + sight.encoder_rad * normal.next();
+    let shown = |q: &f64, dice: &mut Dice| {
+        let q = q + sight.encoder_rad * dice.normal();
         if sight.step_rad > 0.0 { (q / sight.step_rad).round() * sight.step_rad } else { q }
     };
     let position_rad = position
         .chunks_exact(count)
-        .map(|series| series.iter().map(|q| shown(q, &mut normal)).collect())
+        .map(|series| series.iter().map(|q| shown(q, &mut dice)).collect())
         .collect();
     Recording {
         file: "made.csv".into(),

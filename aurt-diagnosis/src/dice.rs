@@ -1,0 +1,21 @@
+//! Numbers for tests, the same in every run: a linear congruential sequence (Knuth's multiplier).
+
+pub struct Dice(pub u64);
+
+impl Dice {
+    /// Even in 0 … 1.
+    pub fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Of unit variance: a sum of twelve uniform numbers.
+    pub fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
+    /// Of unit variance with the tails of a normal distribution (Box, Muller 1958).
+    pub fn gaussian(&mut self) -> f64 {
+        (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
