@@ -4,12 +4,13 @@
 //! that what is a device, a pipe that nobody writes to, too large, compressed or no UTF-8 is refused alike, with what
 //! to do about it; commands do not write over what was opened ([`protect_inputs`]). What messages quote from files goes
 //! through [`clipped`], and what reaches a terminal, a page or a comment through [`harmless`]; paths that are written into
-//! experiments go through [`escaped`].
+//! experiments go through [`escaped`]. Names that are not known are answered with the one that was probably meant ([`suggestion`]).
 
 mod input;
 pub mod output;
 mod protected;
 mod shown;
+pub mod suggestion;
 mod tables;
 
 pub use input::{

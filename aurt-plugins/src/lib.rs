@@ -30,9 +30,9 @@ pub mod model;
 mod new_plugin;
 mod place;
 mod registry;
-pub mod suggestion;
 mod trust;
 
+pub use aurt_files::suggestion;
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;

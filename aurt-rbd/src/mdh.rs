@@ -1,7 +1,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
-use aurt_files::clipped;
+use aurt_files::{clipped, suggestion::likely};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};
@@ -51,8 +51,6 @@ pub struct MdhTable {
 }
 
 const COLUMNS: [&str; 6] = ["alpha", "a", "d", "theta", "sign", "type"];
-/// Characters of the longest of [`COLUMNS`].
-const LONGEST_COLUMN: usize = 5;
 /// Mistakes of one table that are told at once.
 const MOST_ERRORS: usize = 20;
 /// How many of [`COLUMNS`], from the first, every table needs.
@@ -236,10 +234,6 @@ fn read_header(
 
 fn probably_meant(name: &str) -> Option<&'static str> {
     let stem = name.split(['_', ' ', '(', '[', '-']).next().unwrap_or_default();
-    // Likeness takes time with the length, and no slip of the pen is so long.
-    if stem.chars().count() > 2 * LONGEST_COLUMN {
-        return None;
-    }
     let synonym = match stem {
         "α" | "twist" => Some("alpha"),
         "r" | "length" => Some("a"),
@@ -249,12 +243,7 @@ fn probably_meant(name: &str) -> Option<&'static str> {
         "joint" | "kind" | "σ" | "sigma" => Some("type"),
         _ => None,
     };
-    synonym.or_else(|| {
-        COLUMNS
-            .into_iter()
-            .find(|column| *column == stem)
-            .or_else(|| COLUMNS.into_iter().find(|c| c.len() > 2 && strsim::osa_distance(c, stem) <= 2))
-    })
+    synonym.or_else(|| likely(stem, COLUMNS))
 }
 
 fn read_row(

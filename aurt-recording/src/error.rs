@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use aurt_files::suggestion::likely;
 use thiserror::Error;
 
 /// What can be wrong with a recording or with a request to it.
@@ -326,11 +327,8 @@ fn counted(lacking: &[String], recorded: &[String]) -> String {
 
 /// The name that was meant, or, where the recording has some of the joints, that a part of the robot can be chosen.
 fn part_or_meant(lacking: &[String], recorded: &[String], wanted: &[String]) -> String {
-    let similar = lacking
-        .iter()
-        .flat_map(|lacking| recorded.iter().map(move |name| (strsim::jaro_winkler(lacking, name), name)))
-        .filter(|(similarity, name)| (0.75..1.0).contains(similarity) && !wanted.contains(name));
-    if let Some((_, name)) = similar.max_by(|a, b| a.0.total_cmp(&b.0)) {
+    let free = || recorded.iter().filter(|name| !wanted.contains(name)).map(String::as_str);
+    if let Some(name) = lacking.iter().find_map(|lacking| likely(lacking, free())) {
         return format!("did you mean `{name}`? ");
     }
     if wanted.iter().all(|name| lacking.contains(name)) {

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use aurt_files::suggestion::likely;
+
 use crate::MOST_JOINTS;
 use crate::robots::RobotError;
 use crate::robots::description::Part;
@@ -213,8 +215,7 @@ fn find<'n>(
     if let Some(found) = names.clone().position(|known| known == name) {
         return Ok(found);
     }
-    let distance = |known: &str| strsim::osa_distance(&known.to_lowercase(), &name.to_lowercase());
-    let meant = names.clone().min_by_key(|l| distance(l)).filter(|l| distance(l) <= 1 + name.len() / 4);
+    let meant = likely(name, names.clone());
     let count = names.len();
     let mut known: Vec<String> = names.take(MOST_NAMES).map(Into::into).collect();
     if count > MOST_NAMES {

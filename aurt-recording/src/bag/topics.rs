@@ -1,5 +1,7 @@
 use std::collections::BTreeMap;
 
+use aurt_files::suggestion::likely;
+
 use crate::bag::records::{Container, Ending, Record, Records, Scan};
 use crate::error::RecordingError;
 
@@ -115,9 +117,8 @@ impl Topic {
             Some(stated) => match topics.get_key_value(stated) {
                 Some((name, found)) => (*name, *found),
                 None => {
-                    let similar = topics.keys().map(|t| (strsim::jaro_winkler(stated, t), t));
-                    let meant = similar.filter(|(s, _)| *s > 0.75).max_by(|a, b| a.0.total_cmp(&b.0));
-                    let meant = meant.map(|(_, t)| format!("did you mean `{t}`? ")).unwrap_or_default();
+                    let meant = likely(stated, topics.keys().copied());
+                    let meant = meant.map(|t| format!("did you mean `{t}`? ")).unwrap_or_default();
                     let remedy = format!("{meant}the file has {}", listed(&topics));
                     return Err(malformed(format!("there is no topic `{stated}`"), remedy));
                 }

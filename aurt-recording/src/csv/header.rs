@@ -1,9 +1,5 @@
 use crate::csv::dialect::{Dialect, parse_number};
 
-/// Longest name, in characters, that is compared with others to say what was meant.
-const LONGEST_COMPARED: usize = 64;
-const MOST_COMPARED: usize = 4096;
-
 /// The names of a file's columns.
 #[derive(Debug)]
 pub(super) struct Header {
@@ -58,22 +54,5 @@ impl Header {
             [only] => self.name(*only),
             [first, .., last] => format!("{} … {}", self.name(*first), self.name(*last)),
         }
-    }
-
-    /// The name that is most like `wanted`, if any is.
-    pub(super) fn most_similar(&self, wanted: &str) -> Option<&str> {
-        let wanted = wanted.to_lowercase();
-        // Nobody mistypes a name into one that is so much longer, and likeness takes time with the square of lengths.
-        if wanted.chars().count() > LONGEST_COMPARED {
-            return None;
-        }
-        self.names
-            .iter()
-            .filter(|name| name.len() <= 4 * LONGEST_COMPARED)
-            .take(MOST_COMPARED)
-            .map(|name| (strsim::jaro_winkler(&wanted, &name.to_lowercase()), name))
-            .filter(|(similarity, _)| *similarity > 0.75)
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, name)| name.as_str())
     }
 }

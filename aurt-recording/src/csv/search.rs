@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use aurt_files::suggestion::likely;
+
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
 use crate::error::RecordingError;
@@ -204,7 +206,7 @@ impl Search<'_> {
     ) -> RecordingError {
         let commanded = Families::of(&self.header.names).present(&families::COMMANDED);
         let likely = match wanted {
-            Some(wanted) => match self.header.most_similar(wanted) {
+            Some(wanted) => match likely(wanted, self.header.names.iter().map(String::as_str)) {
                 Some(name) => format!("did you mean `{name}`?"),
                 None => "names are compared without regard to case".to_owned(),
             },

@@ -1,5 +1,6 @@
 //! The list of all effects.
 
+use aurt_files::suggestion::likely;
 use serde_json::Value;
 
 use super::{CATALOGUE, Effect, EffectKind};
@@ -23,12 +24,7 @@ pub fn kind_among(
 ) -> Result<&'static EffectKind, SimulationError> {
     kinds.clone().find(|kind| kind.identifier == identifier).ok_or_else(|| SimulationError::UnknownEffect {
         name: identifier.into(),
-        meant: kinds
-            .clone()
-            .map(|kind| (strsim::levenshtein(kind.identifier, identifier), kind.identifier))
-            .min()
-            .filter(|(distance, _)| *distance <= 3)
-            .map(|(_, name)| name.into()),
+        meant: likely(identifier, kinds.clone().map(|kind| kind.identifier)).map(Into::into),
         known: kinds.map(|kind| kind.identifier.into()).collect(),
     })
 }

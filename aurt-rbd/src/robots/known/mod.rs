@@ -4,6 +4,8 @@ mod arms;
 
 use std::f64::consts::FRAC_PI_2;
 
+use aurt_files::suggestion::likely;
+
 use crate::{Joint, Placement};
 
 use crate::robots::pose::{Pose, along};
@@ -56,9 +58,7 @@ pub fn known_robot(name: &str) -> Option<&'static KnownRobot> {
 /// The known robot whose name is nearest to an unknown one.
 #[must_use]
 pub fn probably_meant(name: &str) -> Option<&'static str> {
-    let plain = |name: &str| name.to_lowercase().replace(['-', '_', ' '], "");
-    let distance = |robot: &KnownRobot| strsim::osa_distance(&plain(robot.name), &plain(name));
-    KNOWN_ROBOTS.iter().min_by_key(|robot| distance(robot)).filter(|r| distance(r) <= 2).map(|r| r.name)
+    likely(name, KNOWN_ROBOTS.iter().map(|robot| robot.name))
 }
 
 impl KnownRobot {

@@ -8,7 +8,7 @@ const LONGEST: usize = 64;
 /// Known names that are compared and listed.
 const MOST: usize = 500;
 
-/// The known name that `written` most probably stands for, if any is close.
+/// The known name that `written` most probably stands for, if any is close; of equals the first.
 ///
 /// Beside mistyped letters this catches a name written without its unit (`gravity` for `gravity_m_s2`).
 #[must_use]
@@ -22,7 +22,7 @@ pub fn likely<'k>(written: &str, known: impl IntoIterator<Item = &'k str>) -> Op
         .filter(|name| name.len() <= 4 * LONGEST)
         .map(|name| (similarity(written, name), name))
         .filter(|(score, _)| *score >= LIKELY)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .reduce(|best, next| if next.0 > best.0 { next } else { best })
         .map(|(_, name)| name)
 }
 
