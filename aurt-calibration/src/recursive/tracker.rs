@@ -1,5 +1,3 @@
-use aurt_traits::RobotModel;
-
 use crate::{CalibrationError, JointFactor, Solution, System, system::weights};
 
 /// Recursive weighted least squares in square-root form: Σ_j σ_j⁻² ‖y_j − W_j ζ‖² over all rows so far.
@@ -25,13 +23,6 @@ impl Tracker {
         let rows = vec![0.0; columns.len()];
         let factors = columns.into_iter().map(JointFactor::new).collect();
         Self { system: System::new(coefficients, factors), weights: weights(sigma), rows, skipped: 0 }
-    }
-
-    /// A tracker of all coefficients of a model.
-    #[must_use]
-    pub fn of_model(model: &RobotModel, sigma: &[f64]) -> Self {
-        let columns = (0..model.joints()).map(|j| model.row_columns(j).to_vec()).collect();
-        Self::new(model.parameters().len(), columns, sigma)
     }
 
     /// Takes in one filtered row of a joint: `row[k]` belongs to the k-th of the joint's columns. A row that is not
@@ -124,7 +115,6 @@ fn faded(factor: &JointFactor, kept: &[f64], c: f64, estimate: &[f64]) -> JointF
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Estimator, estimate};
 
     /// Reproducible numbers between −½ and ½.
     fn number(i: usize, k: usize) -> f64 {
@@ -140,49 +130,6 @@ mod tests {
 
     fn tracker() -> Tracker {
         Tracker::new(3, vec![vec![0, 2], vec![1, 2]], &[0.01, 0.02])
-    }
-
-    /// The batch takes whole columns, as calibration does; the tracker takes row after row.
-    #[test]
-    fn row_by_row_gives_the_estimate_of_the_batch() {
-        let columns = [vec![0, 1, 2, 3, 5], vec![2, 3, 4, 6]];
-        let truth = [2.0, -30.0, 0.04, 1.0, 7.0, -0.5, 12.0];
-        let count = 5000;
-        let mut series: Vec<Vec<Vec<f64>>> = Vec::new();
-        for (joint, columns) in columns.iter().enumerate() {
-            let mut own: Vec<Vec<f64>> =
-                (0..columns.len()).map(|k| (0..count).map(|i| number(i, 3 * k + joint)).collect()).collect();
-            let y = (0..count).map(|i| {
-                let clean: f64 = columns.iter().zip(&own).map(|(c, x)| truth[*c] * x[i]).sum();
-                clean + (joint + 1) as f64 * number(i, 40 + joint)
-            });
-            let y = y.collect();
-            own.push(y);
-            series.push(own);
-        }
-        let factors = columns.iter().zip(&series).map(|(columns, own)| {
-            let mut factor = JointFactor::new(columns.clone());
-            factor.push(|k| &own[k], &own[columns.len()], |_| true);
-            factor
-        });
-        let batch = estimate(&System::new(7, factors.collect()), Estimator::Wls).unwrap();
-
-        let mut tracker = Tracker::new(7, columns.to_vec(), &batch.sigma);
-        for i in 0..count {
-            for (joint, own) in series.iter().enumerate() {
-                let row: Vec<f64> = own.iter().map(|x| x[i]).collect();
-                assert!(tracker.push(joint, &row[..row.len() - 1], row[row.len() - 1]).unwrap());
-            }
-            tracker.forget(&[1.0; 7]).unwrap();
-        }
-        let recursive = tracker.estimate().unwrap();
-        assert_eq!(tracker.rows(), [count as f64; 2]);
-        for k in 0..7 {
-            let (a, b) = (recursive.coefficients[k], batch.solution.coefficients[k]);
-            assert!((a - b).abs() <= 1e-9 * b.abs(), "{k}: {a} {b}");
-            let (a, b) = (recursive.covariance[8 * k], batch.solution.covariance[8 * k]);
-            assert!((a - b).abs() <= 1e-9 * b, "{k}: {a} {b}");
-        }
     }
 
     #[test]

@@ -17,7 +17,8 @@ fn row_by_row_gives_the_estimate_of_the_batch() {
     let system = accumulate(&model, &recordings, &load, &options).unwrap();
     let batch = estimate(&system, Estimator::Wls).unwrap();
 
-    let mut tracker = Tracker::of_model(&model, &batch.sigma);
+    let columns = (0..model.joints()).map(|j| model.row_columns(j).to_vec()).collect();
+    let mut tracker = Tracker::new(model.parameters().len(), columns, &batch.sigma);
     for segment in &recordings[0].data.segments {
         let measurement = segment.measurement.as_ref().unwrap();
         for_each_row_block(&model, segment, &load, |block| {

@@ -99,9 +99,3 @@ impl From<Vec<BuildError>> for Error {
         Self::Build(errors)
     }
 }
-
-impl From<aurt_files::output::WriteError> for Error {
-    fn from(error: aurt_files::output::WriteError) -> Self {
-        Self::Write { path: error.path, source: error.source }
-    }
-}

@@ -53,8 +53,8 @@ fn an_experiment_names_them_and_a_saved_model_reads_back() {
     )
     .unwrap();
     let path = folder.path().join("rd.json");
-    model_file::write_robot_model(&path, &model).unwrap();
     let saved = model_file::robot_model_to_json(&model).unwrap();
+    fs::write(&path, saved.to_string()).unwrap();
     let inner = &saved["arm_terms"][0]["viscous"];
     assert_eq!(inner["transition_velocity_rad_s"], 0.7);
     assert_eq!(inner["plugin"]["name"], "aurt-plugin-example");

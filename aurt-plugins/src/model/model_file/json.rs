@@ -2,7 +2,6 @@
 
 use std::{collections::HashMap, path::Path};
 
-use aurt_files::output::write_file;
 use serde_json::{Map, Value, value::RawValue};
 
 use super::SCHEMA;
@@ -114,17 +113,6 @@ pub fn read_json(path: &Path) -> Result<(Value, String), Error> {
         help: None,
     })?;
     Ok((value, text))
-}
-
-/// Writes JSON, indented; the file appears whole or not at all.
-///
-/// # Errors
-/// [`Error::Write`].
-pub fn write_json(path: &Path, value: &Value) -> Result<(), Error> {
-    let failed = |source| Error::Write { path: path.to_owned(), source };
-    let mut text = serde_json::to_string_pretty(value).map_err(|e| failed(e.into()))?;
-    text.push('\n');
-    Ok(write_file(path, text.as_bytes())?)
 }
 
 impl Error {

@@ -12,16 +12,16 @@ mod robot;
 
 pub use self::{
     base_parameters::{BaseParameterReading, read_base_parameters},
-    json::{read_json, write_json},
-    rigid_body::{read_rigid_body, rigid_body_from_json, rigid_body_to_json, write_rigid_body},
-    robot::{read_robot_model, robot_model_from_json, robot_model_to_json, write_robot_model},
+    json::read_json,
+    rigid_body::{read_rigid_body, rigid_body_to_json},
+    robot::{read_robot_model, robot_model_from_json, robot_model_to_json},
 };
 
 /// Version of the model files that this program writes and reads.
 pub const SCHEMA: u64 = 1;
 
-/// `kind` of files that [`write_rigid_body`] writes.
+/// `kind` of files of rigid bodies.
 pub const RIGID_BODY_DYNAMICS: &str = "rigid_body_dynamics";
 
-/// `kind` of files that [`write_robot_model`] writes.
+/// `kind` of files of robot models before calibration.
 pub const ROBOT_DYNAMICS: &str = "robot_dynamics";

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{
     RIGID_BODY_DYNAMICS, SCHEMA, base_parameters,
-    json::{At, read_json, write_json},
+    json::{At, read_json},
 };
 use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
 
@@ -26,14 +26,6 @@ pub fn rigid_body_to_json(dynamics: &RigidBodyDynamics) -> Result<Value, Error> 
     }))
 }
 
-/// Rigid bodies from the value of a file of kind `rigid_body_dynamics`.
-///
-/// # Errors
-/// [`Error::ModelValue`] with the place of what is wrong.
-pub fn rigid_body_from_json(value: &Value) -> Result<RigidBodyDynamics, Error> {
-    from_json(&At::root(value))
-}
-
 pub(super) fn from_json(at: &At<'_>) -> Result<RigidBodyDynamics, Error> {
     at.check_kind(RIGID_BODY_DYNAMICS)?;
     let body = at.get("rigid_body")?;
@@ -50,19 +42,11 @@ pub(super) fn from_json(at: &At<'_>) -> Result<RigidBodyDynamics, Error> {
     Ok(RigidBodyDynamics { rigid_body, base })
 }
 
-/// Writes a file of kind `rigid_body_dynamics`.
-///
-/// # Errors
-/// As [`rigid_body_to_json`], and [`Error::Write`].
-pub fn write_rigid_body(path: &Path, dynamics: &RigidBodyDynamics) -> Result<(), Error> {
-    write_json(path, &rigid_body_to_json(dynamics)?)
-}
-
 /// Reads a file of kind `rigid_body_dynamics`.
 ///
 /// # Errors
 /// [`Error::Read`], or [`Error::ModelFile`] with path, line and column.
 pub fn read_rigid_body(path: &Path) -> Result<RigidBodyDynamics, Error> {
     let (value, text) = read_json(path)?;
-    rigid_body_from_json(&value).map_err(|e| e.in_file(path, &text, &[]))
+    from_json(&At::root(&value)).map_err(|e| e.in_file(path, &text, &[]))
 }

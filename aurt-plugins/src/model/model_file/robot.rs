@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::{
     ROBOT_DYNAMICS, SCHEMA,
-    json::{At, read_json, write_json},
+    json::{At, read_json},
     rigid_body,
 };
 use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
@@ -127,14 +127,6 @@ const fn slot_in_words(slot: Slot) -> &'static str {
 
 fn all(errors: &[ModelError]) -> String {
     errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-}
-
-/// Writes a file of kind `robot_dynamics`.
-///
-/// # Errors
-/// As [`robot_model_to_json`], and [`Error::Write`].
-pub fn write_robot_model(path: &Path, model: &RobotModel) -> Result<(), Error> {
-    write_json(path, &robot_model_to_json(model)?)
 }
 
 /// Reads a file of kind `robot_dynamics`.
