@@ -1,41 +1,19 @@
 use super::declaring::*;
 
-/// A constant that the measured torque has too much.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CurrentOffset {
-    pub joints: Vec<usize>,
-    /// The constant, Nm.
-    pub offset_nm: Vec<f64>,
-}
-
-impl Physics for CurrentOffset {
-    const IDENTIFIER: &'static str = "current_offset";
-    const FAMILY: Family = Family::D;
-    const SUMMARY: &'static str = "a constant in the measured torque";
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::Few;
-    const VALUES: &'static [(&'static str, [f64; 2])] = &[("offset_nm", [-1e4, 1e4])];
-
-    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
-        Self { joints: context.joints.to_vec(), offset_nm: context.noises(random.sign()) }
+per_joint! {
+    /// A constant that the measured torque has too much.
+    CurrentOffset {
+        /// The constant, Nm.
+        offset_nm: [-1e4, 1e4],
+    }
+    "current_offset", D, Either, Few, "a constant in the measured torque";
+    drawn: |context, random| context.noises(random.sign());
+    scaled_within: |robot, joint| [-0.3, 0.3].map(|share| share * robot.drives[joint].torque_limit_nm);
+    installed: |setup, joint, offset| {
+        setup.instrument.channels[joint].offset_nm += offset;
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![("offset", self.offset_nm.clone())]
-    }
-
-    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
-        factor.scale(&self.joints, &mut self.offset_nm, |joint| {
-            let most = 0.3 * robot.drives[joint].torque_limit_nm;
-            [-most, most]
-        });
-    }
-
-    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
-        for (joint, offset) in self.joints.iter().zip(&self.offset_nm) {
-            setup.instrument.channels[*joint].offset_nm += offset;
-        }
-        Ok(())
     }
 }

@@ -46,6 +46,8 @@ pub use stribeck::Curve;
 pub mod declaring {
     pub use serde::{Deserialize, Serialize};
 
+    pub(crate) use super::physics::per_joint;
+
     pub use super::{
         Checks, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict, kind::constant_level,
     };

@@ -77,6 +77,58 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError>;
 }
 
+/// An effect of one value on each of some joints: its type, and what [`Physics`] asks of it. What else it declares comes last.
+macro_rules! per_joint {
+    (
+        $(#[$about:meta])*
+        $effect:ident {
+            $(#[$of:meta])*
+            $field:ident: $bounds:expr,
+        }
+        $identifier:literal, $family:ident, $presence:ident, $takes:ident, $summary:literal;
+        drawn: |$context:ident, $random:ident| $values:expr;
+        scaled_within: |$robot:ident, $joint:ident| $within:expr;
+        installed: |$setup:ident, $at:ident, $value:ident| $install:block
+        $($more:tt)*
+    ) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $effect {
+            pub joints: Vec<usize>,
+            $(#[$of])*
+            pub $field: Vec<f64>,
+        }
+
+        impl Physics for $effect {
+            const IDENTIFIER: &'static str = $identifier;
+            const FAMILY: Family = Family::$family;
+            const SUMMARY: &'static str = $summary;
+            const PRESENCE: Presence = Presence::$presence;
+            const TAKES: Takes = Takes::$takes;
+            const PARAMETERS: &'static [&'static str] = &[stringify!($field)];
+            const VALUES: &'static [(&'static str, [f64; 2])] = &[(stringify!($field), $bounds)];
+
+            fn draw($context: &Draw<'_>, $random: &mut Random) -> Self {
+                Self { joints: $context.joints.to_vec(), $field: $values }
+            }
+
+            fn scale(&mut self, factor: Factor<'_>, $robot: &Robot) {
+                factor.scale(&self.joints, &mut self.$field, |$joint| $within);
+            }
+
+            fn install(&self, $setup: &mut Setup) -> Result<(), SimulationError> {
+                for ($at, $value) in self.joints.iter().copied().zip(self.$field.iter().copied()) $install
+                Ok(())
+            }
+
+            $($more)*
+        }
+    };
+}
+
+pub(crate) use per_joint;
+
 impl<P: Physics> Effect for P {
     fn identifier(&self) -> &'static str {
         P::IDENTIFIER
