@@ -6,9 +6,9 @@
 //! and to nothing else. Propagated noise is what the same recordings without noise do not leave: current noise,
 //! and encoder noise and steps through q, q̇, sgn q̇ and q̈.
 
-use aurt_lab::fit::{ProcessedFit, processed_motion};
+use aurt_lab::fit::processed_motion;
 use aurt_recording::Preprocessed;
-use aurt_simulation::inject::Structure;
+use aurt_simulation::inject::{OwnModel, Structure, StructureColumns};
 use aurt_simulation::sensors::Instrument;
 use aurt_simulation::{Motion, Robot, Rotors, Scenario, SimulationError, simulate};
 
@@ -54,7 +54,8 @@ fn null(robot: &Robot, rotors: Rotors, f_dyn_hz: f64) -> Result<(), SimulationEr
         scenario.logger.measurement_decimals = 12;
         clean.push(processed_motion(&simulate(&scenario)?, robot, f_dyn_hz)?);
     }
-    let fit = ProcessedFit::new(robot, &Structure::of(robot), &noisy.iter().collect::<Vec<&Preprocessed>>())?;
+    let columns = StructureColumns::of_robot(robot, &Structure::of(robot))?;
+    let fit = OwnModel::of_columns(columns, &noisy.iter().collect::<Vec<&Preprocessed>>())?;
     for (((name, ..), noisy), clean) in motions().iter().zip(&noisy).zip(&clean) {
         let (left, undisturbed) = (fit.residuals(noisy)?, fit.residuals(clean)?);
         let ratios: Vec<[f64; 2]> = left

@@ -1,5 +1,4 @@
 use std::rc::Rc;
-use std::sync::Arc;
 
 use aurt_recording::Preprocessed;
 
@@ -11,13 +10,11 @@ use super::request::{CaseRequest, CaseType};
 use super::rough;
 use super::truth::{TrueEffect, Truth, ValidationFloor};
 use super::world::World;
-use crate::{
-    effects::read_effect,
-    fit::{ProcessedFit, processed_motion},
-};
+use crate::{effects::read_effect, fit::processed_motion};
 use aurt_simulation::{
     Random, SimulationError,
     effects::{Draw, Effect, EffectKind, Hidden, catalogue},
+    inject::{OwnModel, mean_square},
     robots::Robot,
     sensors::SimulatedRecording,
     simulate,
@@ -307,16 +304,19 @@ fn floors(
     let fitted = |data: &[Preprocessed]| {
         let calibration: Vec<&Preprocessed> =
             data.iter().zip(slots).filter(|(_, s)| s.role == Role::Calibration).map(|(d, _)| d).collect();
-        ProcessedFit::of_columns(Arc::clone(&bench.columns), &calibration)
+        OwnModel::of_columns((*bench.columns).clone(), &calibration)
+    };
+    let rms_nm = |fit: &OwnModel, data: &Preprocessed| -> Result<Vec<f64>, SimulationError> {
+        Ok(fit.residuals(data)?.iter().map(|r| mean_square(r).sqrt()).collect())
     };
     let calm_fit = fitted(&calm)?;
     let stirred_fit = stirred.as_deref().map(fitted).transpose()?;
     (0..slots.len())
         .filter(|k| slots[*k].role == Role::Validation)
         .map(|k| {
-            let floor_nm = calm_fit.residual_rms_nm(&calm[k])?;
+            let floor_nm = rms_nm(&calm_fit, &calm[k])?;
             let before_nm = match (&stirred, &stirred_fit) {
-                (Some(data), Some(fit)) => fit.residual_rms_nm(&data[k])?,
+                (Some(data), Some(fit)) => rms_nm(fit, &data[k])?,
                 _ => floor_nm.clone(),
             };
             Ok(ValidationFloor { recording: file_name(k), before_nm, floor_nm })

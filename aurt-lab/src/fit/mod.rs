@@ -6,7 +6,7 @@ mod decidable;
 mod noise_free;
 mod processed;
 
-pub use processed::{ProcessedFit, processed_motion};
+pub use processed::processed_motion;
 
 pub(crate) use decidable::without_absorbed_rotors;
 pub(crate) use noise_free::{NoiseFreeFit, Samples};

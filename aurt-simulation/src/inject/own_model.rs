@@ -1,5 +1,5 @@
-//! What the experiment's own structure leaves of the recordings as they are: a least squares of base parameters and
-//! the experiment's friction. Nothing of it is reported but residuals; effects take its rigid-body torque and friction.
+//! What an experiment's own structure leaves of the recordings as they are, or a simulated robot's of its own: a least squares
+//! of base parameters and friction. Nothing of it is reported but residuals; effects take its rigid-body torque and friction.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::gram::{Gram, mean_square};
 use super::real::RealExperiment;
 use crate::error::SimulationError;
 
-/// The experiment's structure fitted to the recordings as they are.
+/// A structure fitted to recordings after the usual filters.
 #[derive(Debug, Clone)]
 pub struct OwnModel {
     pub(super) columns: StructureColumns,
@@ -35,31 +35,64 @@ const PASSES: usize = 3;
 
 impl OwnModel {
     pub(super) fn new(real: &RealExperiment, recordings: &[Preprocessed]) -> Result<Self, SimulationError> {
-        let joints = real.bodies.joints();
         let columns = StructureColumns::new(Arc::clone(&real.bodies), real.structure.clone())?;
-        let mut model = Self {
+        let mut model = Self::unfitted(columns);
+        let recordings: Vec<&Preprocessed> = recordings.iter().collect();
+        for _ in 0..PASSES {
+            let rows = model.rows_of_all(&recordings)?;
+            model.fit(&rows);
+            model.take_apart();
+        }
+        Ok(model)
+    }
+
+    /// A structure whose load is known, fitted to recordings: once for the weights, once with them.
+    ///
+    /// # Errors
+    /// [`SimulationError::Preprocessing`].
+    pub fn of_columns(
+        columns: StructureColumns,
+        recordings: &[&Preprocessed],
+    ) -> Result<Self, SimulationError> {
+        let mut model = Self::unfitted(columns);
+        let rows = model.rows_of_all(recordings)?;
+        model.fit(&rows);
+        model.fit(&rows);
+        Ok(model)
+    }
+
+    fn unfitted(columns: StructureColumns) -> Self {
+        let joints = columns.joints();
+        Self {
             coulomb: vec![0.0; joints],
             viscous: vec![0.0; joints],
             left_rms: vec![1.0; joints],
             coefficients: vec![0.0; columns.coefficients()],
             columns,
-        };
-        for _ in 0..PASSES {
-            let all = recordings.iter().map(|r| model.rows_of(r)).collect::<Result<Vec<_>, _>>()?;
-            let refs: Vec<&Rows> = all.iter().collect();
-            model.coefficients = model.fitted(&refs, |r, j| &refs[r].measured[j]);
-            model.left_rms = (0..joints)
-                .map(|j| {
-                    let left: Vec<f64> = refs
-                        .iter()
-                        .flat_map(|r| model.left_over(r, &r.measured[j], j, &model.coefficients))
-                        .collect();
-                    mean_square(&left).sqrt()
-                })
-                .collect();
-            model.take_apart();
         }
-        Ok(model)
+    }
+
+    fn rows_of_all(&self, recordings: &[&Preprocessed]) -> Result<Vec<Rows>, SimulationError> {
+        recordings.iter().map(|r| self.rows_of(r)).collect()
+    }
+
+    fn fit(&mut self, recordings: &[Rows]) {
+        let all: Vec<&Rows> = recordings.iter().collect();
+        self.coefficients = self.fitted(&all, |r, j| &all[r].measured[j]);
+        let left = |j: usize| -> Vec<f64> {
+            all.iter().flat_map(|r| self.left_over(r, &r.measured[j], j, &self.coefficients)).collect()
+        };
+        self.left_rms = (0..self.columns.joints()).map(|j| mean_square(&left(j)).sqrt()).collect();
+    }
+
+    /// What the fit leaves of a recording, joint by joint, in Nm on the decimated rows.
+    ///
+    /// # Errors
+    /// [`SimulationError::Preprocessing`].
+    pub fn residuals(&self, recording: &Preprocessed) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let rows = self.rows_of(recording)?;
+        let left = |(j, measured): (usize, &Vec<f64>)| self.left_over(&rows, measured, j, &self.coefficients);
+        Ok(rows.measured.iter().enumerate().map(left).collect())
     }
 
     /// Root mean square of what the structure leaves of all recordings after the usual filters, per joint: the unit of
