@@ -9,7 +9,7 @@
 //!
 //! Linking the crate (`use aurt_friction as _;`) registers every model with [`aurt_traits::ModelEntry`] and with
 //! `typetag`, so that experiments and saved models find it by its name. Each file's documentation holds equation,
-//! parameters, columns, use, source and invariants.
+//! parameters, use and source; columns and invariants where more is to be said than what the file declares.
 //!
 //! Adding a model is one file in the folder of its slot: every file there is a module, and the tests find its model by
 //! the registration.

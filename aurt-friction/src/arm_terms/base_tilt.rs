@@ -37,9 +37,6 @@
 //! # Source
 //! Linearisation of the rigid-body regressor in gravity; for the practice, Khalil and Dombre (2002), *Modeling,
 //! Identification and Control of Robots*.
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Motion, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

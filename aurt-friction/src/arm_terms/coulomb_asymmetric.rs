@@ -13,22 +13,12 @@
 //! | `joints` | – | joints that have the term; all unless given |
 //! | `rest_velocity_rad_s` | rad/s | v_0, as for `sign`; 0 unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_C_pos_<j>` | Nm | 1 for q̇_j > v_0, else 0, in row j |
-//! | `F_C_neg_<j>` | Nm | −1 for q̇_j < −v_0, else 0, in row j |
-//!
 //! # Use when
 //! Friction differs by direction and the recording rests for a while: while a joint moves, the difference of the
 //! two levels and an offset of the current sensor (`current_offset`) are the same thing.
 //!
 //! # Source
 //! Armstrong-Hélouvry (1991), *Control of Machines with Friction*.
-//!
-//! # Invariants
-//! Even in load, bounded by one, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
-//! Not odd.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};

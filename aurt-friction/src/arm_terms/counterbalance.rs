@@ -26,9 +26,6 @@
 //!
 //! # Source
 //! Geometry and Hooke's law; compare Khalil and Dombre (2002), *Modeling, Identification and Control of Robots*.
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load: it acts behind the gear.
 
 use std::f64::consts::PI;
 

@@ -14,13 +14,6 @@
 //! | `inertia`, `viscous`, `coulomb` | – | which of the three columns the term has; all unless given |
 //! | `rest_velocity_rad_s` | rad/s | \|ω\| up to which the motor rests, as for `sign`; 0 unless given |
 //!
-//! # Columns
-//! | name | unit | column, in row j; ρ times it in row k |
-//! |---|---|---|
-//! | `inertia_<j>_<k>` | kg m² | ω̇ = q̈_j + ρ q̈_k |
-//! | `viscous_<j>_<k>` | Nm s/rad | ω |
-//! | `coulomb_<j>_<k>` | Nm | sgn ω |
-//!
 //! # Use when
 //! Wrists whose last motors sit before the previous joint's axis and drive through it. On the Stäubli TX40 motor 5
 //! turns with q̇_4 + q̇_5 (joints count from 0): `joint = 5, partner = 4, ratio = 1.0`; about 0.011 kg m²,
@@ -29,9 +22,6 @@
 //! # Source
 //! Gautier, Janot, Vandanjon (2013), *A new closed-loop output error method for parameter identification of robot
 //! dynamics*, and Janot, Vandanjon, Gautier (2014), for the TX40 and its coupled wrist.
-//!
-//! # Invariants
-//! Even in load, memoryless; without `inertia` odd and passive as well.
 
 use aurt_traits::{
     ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, Result, register_model,

@@ -8,20 +8,12 @@
 //! |---|---|---|
 //! | `joints` | – | joints that have the term; all unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `offset_<j>` | Nm | 1 in row j |
-//!
 //! # Use when
 //! A current sensor's zero drifts. While a joint moves, an offset and unequal Coulomb levels for the two
 //! directions (`coulomb_asymmetric`) are the same thing; only rest tells them apart.
 //!
 //! # Source
 //! Khalil and Dombre (2002), *Modeling, Identification and Control of Robots*.
-//!
-//! # Invariants
-//! Even in load, bounded by one, rate-independent, memoryless.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -15,12 +15,6 @@
 //! |---|---|---|
 //! | `joints` | – | joints that have the term; all unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `driving_<j>` | 1 | \|τ_J\| sgn q̇_j where τ_J q̇_j > 0, else 0, in row j |
-//! | `driven_<j>` | 1 | \|τ_J\| sgn q̇_j where τ_J q̇_j < 0, else 0, in row j |
-//!
 //! # Use when
 //! The residual differs by the sign of power: worm and harmonic drives, counter-weighted joints. On arms that
 //! hardly hold loads the columns vanish.

@@ -18,11 +18,6 @@
 //! | `inertial_columns` | – | indices of standard inertial parameters, ten per link; empty unless given |
 //! | `inertial_values` | as those | their values |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `encoder_offset_<j>` | rad | (τ(q − a e_j) − τ(q)) / a, on all joints |
-//!
 //! # Use when
 //! An encoder, a motor or a gear was exchanged, a belt or a spline has jumped a tooth, or a robot was mastered anew. On a joint
 //! that turns about the direction of gravity and carries all others (a vertical first axis) the torque does not depend on the zero.
@@ -30,9 +25,6 @@
 //! # Source
 //! Secant of the rigid-body torque in the position; for the practice, Khalil and Dombre (2002), *Modeling, Identification
 //! and Control of Robots*, on the calibration of joint zeros.
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, memoryless. The term is a load.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -19,11 +19,6 @@
 //! | `inertial_columns` | – | indices of standard inertial parameters, ten per link; empty unless given |
 //! | `inertial_values` | as those | their values |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `joint_compliance_<j>` | rad/Nm | (τ(q + δ e_j) − τ(q)) / a, on all joints |
-//!
 //! # Use when
 //! Gears, belts or bearings are soft beside the loads that they carry and the arm moves slowly: strain-wave gears under long levers, cable
 //! drives, large arms. A joint that turns about the direction of gravity and carries all others does not show it.
@@ -31,9 +26,6 @@
 //! # Source
 //! Spong (1987), *Modeling and control of elastic joint robots*, at rest; for the practice, Dumas et al. (2011), *Joint stiffness
 //! identification of six-revolute industrial serial robots*.
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, memoryless. The term is a load.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -22,9 +22,6 @@
 //!
 //! # Source
 //! Equation (6) of the AURT paper; the sum of parallel friction elements is Iwan's (1966).
-//!
-//! # Invariants
-//! Those that all three models share.
 
 use aurt_traits::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, InnerModels, Invariants, JointSeries,

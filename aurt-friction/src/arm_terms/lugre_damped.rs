@@ -16,12 +16,6 @@
 //! | `coulomb_ratio` | 1 | r = F_C/F_S, shape, 0.05–1; 0.8 unless given |
 //! | `stribeck_exponent` | 1 | δ, 0.5–3, not searched for; 2 unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_S_<j>` | Nm | H in row j |
-//! | `sigma1_<j>` | Nm s/rad | ż in row j |
-//!
 //! # State
 //! Per joint H, time and position of the previous sample; H = 0 at the first sample of a series.
 //!

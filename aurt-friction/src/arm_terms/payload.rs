@@ -25,9 +25,6 @@
 //! # Source
 //! Khalil, Gautier, Lemoine (2007), *Identification of the payload inertial parameters of industrial
 //! manipulators*.
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, memoryless. The term is a load.
 
 use aurt_traits::{
     ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, Result, register_model,

@@ -8,11 +8,6 @@
 //! |---|---|---|
 //! | `joints` | – | joints that have the term; all unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `I_a_<j>` | kg m² | q̈_j in row j |
-//!
 //! # Use when
 //! Always on geared arms, except for joints where the link's own inertia about the axis takes it up exactly: the
 //! first joint of every arm, and the second of common ones with a vertical first axis. There it only lowers the

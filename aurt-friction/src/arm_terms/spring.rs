@@ -22,9 +22,6 @@
 //!
 //! # Source
 //! Hooke (1678).
-//!
-//! # Invariants
-//! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load: it acts behind the gear.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -9,21 +9,12 @@
 //! | `joints` | – | joints that have the term; all unless given |
 //! | `warming_time_s` | s | t_w, 60 unless given: later than this, equal factors of time bring equal changes |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_T_<j>` | Nm | ln(1 + t/t_w) sgn q̇_j in row j |
-//! | `F_Tv_<j>` | Nm s/rad | ln(1 + t/t_w) q̇_j in row j |
-//!
 //! # Use when
 //! No temperature was recorded and the same motion needs less torque late in a recording than early in it.
 //!
 //! # Source
 //! Bittencourt and Gunnarsson (2012), *Static friction in a robot joint – modeling and identification of load
 //! and temperature effects*; the logarithm of uptime stands in for the temperature, which nobody logs.
-//!
-//! # Invariants
-//! None: the term depends on time itself.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};

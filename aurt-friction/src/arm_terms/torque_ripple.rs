@@ -26,9 +26,6 @@
 //! # Source
 //! Tuttle and Seering (1996), *A nonlinear model of a harmonic drive gear transmission*; Hung and Ding (1993) for
 //! cogging.
-//!
-//! # Invariants
-//! Even in load, bounded by one, continuous in velocity, rate-independent, memoryless.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

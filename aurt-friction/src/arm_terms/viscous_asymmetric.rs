@@ -11,21 +11,12 @@
 //! |---|---|---|
 //! | `joints` | – | joints that have the term; all unless given |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_v_pos_<j>` | Nm s/rad | max(q̇_j, 0) in row j |
-//! | `F_v_neg_<j>` | Nm s/rad | min(q̇_j, 0) in row j |
-//!
 //! # Use when
 //! Drives with seals, belts or preload whose friction rises faster in one direction than in the other.
 //!
 //! # Source
 //! Armstrong-Hélouvry (1991), *Control of Machines with Friction*. A public recording of an axis whose two slopes
 //! differ: Janot, Gautier, Brunot (2019), *Data set and reference models of EMPS*.
-//!
-//! # Invariants
-//! Even in load, continuous, of the sign of velocity, passive, memoryless. Not odd.
 
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -10,9 +10,6 @@
 //!
 //! # Source
 //! The trivial case.
-//!
-//! # Invariants
-//! Every invariant of a column holds, since there is none.
 
 use aurt_traits::friction_model;
 

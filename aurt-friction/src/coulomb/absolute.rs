@@ -3,12 +3,6 @@
 //! # Equation
 //! f_C(τ_J) = F_C0 + F_C1 |τ_J|
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_C0` | Nm | 1 |
-//! | `F_C1` | 1 | \|τ_J\| |
-//!
 //! # Use when
 //! The usual choice for geared joints that carry gravity: tooth friction is proportional to the tooth force.
 //! F_C1 of harmonic drives lies at 0.06–0.15. If friction differs between driving and being driven, add the arm
@@ -17,9 +11,6 @@
 //! # Source
 //! Madsen et al. (2022), figure 2 (c); Hamon, Gautier, Garrec (2010), *Dynamic identification of robots with a
 //! dry friction model depending on load and velocity*.
-//!
-//! # Invariants
-//! Even in load, strictly positive, continuous in velocity, rate-independent, memoryless.
 
 use aurt_traits::friction_model;
 

@@ -3,19 +3,11 @@
 //! # Equation
 //! f_C = F_C0
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_C0` | Nm | 1 |
-//!
 //! # Use when
 //! First guess, and for joints whose load hardly changes. The paper calls it "none": no dependence on the load.
 //!
 //! # Source
 //! Madsen et al. (2022), figure 2 (a); Coulomb (1785).
-//!
-//! # Invariants
-//! Even in load, strictly positive, bounded by one, continuous in velocity, rate-independent, memoryless.
 
 use aurt_traits::friction_model;
 

@@ -3,21 +3,12 @@
 //! # Equation
 //! f_C(τ_J) = F_C0 + F_C1 τ_J²
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_C0` | Nm | 1 |
-//! | `F_C1` | 1/Nm | τ_J² |
-//!
 //! # Use when
 //! The load changes over a wide range and the joint's friction rises faster than in proportion to it. Outside
 //! the calibrated load range the square extrapolates badly; `absolute` is the safer choice there.
 //!
 //! # Source
 //! Madsen et al. (2022), figure 2 (b) and equation (7).
-//!
-//! # Invariants
-//! Even in load, strictly positive, continuous in velocity, rate-independent, memoryless.
 
 use aurt_traits::friction_model;
 

@@ -31,9 +31,6 @@
 //! velocity of stick-slip motion*, for the exponent; Hess, Soom (1990), *Friction at a lubricated line contact operating at
 //! oscillating sliding velocities*, J. Tribology, for the rational law; Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), *A survey
 //! of models, analysis tools and compensation methods for the control of machines with friction*.
-//!
-//! # Invariants
-//! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
     Columns, Invariant, Invariants, JointModel, JointSeries, Parameter, Result, register_model,

@@ -28,9 +28,6 @@
 //! # Source
 //! Bouc (1967); Wen (1976), *Method for random vibration of hysteretic systems*; Erlicher and Point (2004),
 //! *Thermodynamic admissibility of Bouc–Wen type hysteresis models*, for the condition on β.
-//!
-//! # Invariants
-//! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -21,9 +21,6 @@
 //!
 //! # Source
 //! Dahl (1968), *A solid friction model*, Aerospace Corporation TOR-0158; with exponent one.
-//!
-//! # Invariants
-//! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -36,9 +36,6 @@
 //! # Source
 //! Iwan (1966), *A distributed-element model for hysteresis and its steady-state dynamic response*; Lampaert,
 //! Al-Bender, Swevers (2003), *A generalized Maxwell-slip friction model appropriate for control purposes*.
-//!
-//! # Invariants
-//! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
     Columns, JointModel, JointSeries, ModelError, Parameter, Result, ShapeParameter, register_model,

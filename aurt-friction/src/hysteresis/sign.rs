@@ -17,9 +17,6 @@
 //!
 //! # Source
 //! Madsen et al. (2022), section III-B.2; Coulomb (1785).
-//!
-//! # Invariants
-//! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
 use aurt_traits::{
     Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Result, register_model,

@@ -15,9 +15,6 @@
 //! # Source
 //! Andersson, Söderberg, Björklund (2007), *Friction models for sliding dry, boundary and mixed lubricated
 //! contacts*.
-//!
-//! # Invariants
-//! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -9,11 +9,6 @@
 //! |---|---|---|
 //! | `powers` | – | S: distinct integers from 1 to 20; an empty list is no viscous friction |
 //!
-//! # Columns
-//! | name | unit | column |
-//! |---|---|---|
-//! | `F_v<i>` | Nm (s/rad)^i | b_i(q̇) |
-//!
 //! # Use when
 //! `[1]` always; more powers where friction is curved against velocity and the calibration covers the velocities
 //! that the model is to predict: a cubic term beyond them is off by its own size. `saturating` describes the
@@ -21,9 +16,6 @@
 //!
 //! # Source
 //! Madsen et al. (2022), equation (8).
-//!
-//! # Invariants
-//! Odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

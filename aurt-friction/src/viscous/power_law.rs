@@ -20,9 +20,6 @@
 //!
 //! # Source
 //! Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky (1998), *Friction models and friction compensation*, section 2.1.
-//!
-//! # Invariants
-//! Odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{Columns, JointModel, JointSeries, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};

@@ -25,9 +25,6 @@
 //! Makkar, Dixon, Sawyer, Hu (2005), *A new continuously differentiable friction model for control systems
 //! design*, for the hyperbolic tangent; Bittencourt, Gunnarsson (2012), *Static friction in a robot joint –
 //! modeling and identification of load and temperature effects*, for friction that is curved against velocity.
-//!
-//! # Invariants
-//! Odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{Columns, JointModel, JointSeries, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
