@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prepares a release in target/handed-out/upload: crates in the order of publication, the program, the Python wheel, bills of
 # materials, SHA-256 sums. Nothing is uploaded; the last lines name what remains. Arguments go to `cargo package`
-# (`--no-verify` does not build the packed crates). Needs maturin and ziglang (pip); without ziglang the wheel is for this machine.
+# (`--no-verify` does not build the packed crates). Needs maturin, ziglang and auditwheel (pip); without ziglang the wheel is for this machine.
 #
 # Folders of the building machine (sources, cargo's home) are not in program and wheel: the compiler writes others in their place,
 # and the script searches for the rest. Cargo's own way (`trim-paths`) is not in stable versions yet.
@@ -55,6 +55,13 @@ portable=(--zig --compatibility manylinux2014)
 python3 -m ziglang version >/dev/null 2>&1 || portable=()
 CARGO_TARGET_DIR=target/handed-out/python maturin build --quiet --release --locked --manifest-path python/Cargo.toml --out "$upload" \
     "${portable[@]}"
+if ((${#portable[@]})); then
+    auditwheel show "$upload"/*.whl | tee target/handed-out/auditwheel.log
+    tr -d '\n' <target/handed-out/auditwheel.log | grep -q 'consistent with *the following platform tag: *"manylinux_2_17' || {
+        echo "the wheel is not manylinux2014" >&2
+        exit 1
+    }
+fi
 rm -rf target/handed-out/unpacked
 python3 -m zipfile -e "$upload"/*.whl target/handed-out/unpacked
 without_folders target/handed-out/unpacked/aurt/_aurt.abi3.so
