@@ -7,16 +7,20 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod usual;
-mod world;
 
 use std::{
+    fs,
     path::{Path, PathBuf},
     process::Command,
 };
 
+use aurt_lab::setups::{
+    Columns, Log, Setup, Units,
+    mistakes::{Cures, tells},
+};
+use aurt_rbd::{MdhRows, MdhTable};
 use rayon::prelude::*;
 use usual::{MISTAKES, Mistake};
-use world::{Log, NAMES, World};
 
 /// Of the mistakes on the real robot, every how manieth is in the share of every test run.
 const SHARE: usize = 9;
@@ -25,6 +29,11 @@ const TOLD: usize = 55;
 
 /// Mistakes that data cannot tell (docs/mistakes.md).
 const NOT_TOLD: [&str; 1] = ["the name of a smaller robot of the same family"];
+
+/// Rows of a log that are used: 20 s and more.
+const ROWS: usize = 2000;
+/// Joints of the UR10e.
+const JOINTS: usize = 6;
 
 struct Said {
     status: i32,
@@ -39,8 +48,8 @@ struct Answer {
 
 impl Answer {
     /// Whether one of the cures was told, by `check` or by `run`, and with a status that scripts see.
-    fn told(&self, mistake: &Mistake) -> bool {
-        [&self.check, &self.run].into_iter().any(|said| said.tells(mistake))
+    fn told(&self, cures: &[Vec<String>]) -> bool {
+        [&self.check, &self.run].into_iter().any(|said| said.tells(cures))
     }
 
     /// Whether a model came out without a word that something is wrong.
@@ -50,14 +59,13 @@ impl Answer {
 }
 
 impl Said {
-    fn tells(&self, mistake: &Mistake) -> bool {
-        let has = |cure: &[&str]| cure.iter().all(|word| self.text.contains(word));
-        self.status != 0 && mistake.cures.iter().any(|cure| has(cure))
+    fn tells(&self, cures: &[Vec<String>]) -> bool {
+        self.status != 0 && tells(&self.text, cures)
     }
 
     /// For the table: what it ended with, and whether it told the cure.
-    fn short(&self, mistake: &Mistake) -> &'static str {
-        match (self.status, self.tells(mistake)) {
+    fn short(&self, cures: &[Vec<String>]) -> &'static str {
+        match (self.status, self.tells(cures)) {
             (0, _) => "nothing",
             (1, true) => "told",
             (1, false) => "doubts",
@@ -81,9 +89,15 @@ fn aurt(folder: &Path, words: &[&str]) -> Said {
     Said { status: output.status.code().unwrap(), text }
 }
 
-fn answer(world: &World, diagnose: bool) -> Answer {
+/// The folder of a setup.
+fn written(setup: &Setup) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    world.write(folder.path());
+    setup.files().iter().for_each(|(name, text)| fs::write(folder.path().join(name), text).unwrap());
+    folder
+}
+
+fn answer(setup: &Setup, diagnose: bool) -> Answer {
+    let folder = written(setup);
     let check = aurt(folder.path(), &["check", "experiment.toml"]);
     let run = aurt(folder.path(), &["run", "experiment.toml", "--out", "out"]);
     let diagnose =
@@ -91,24 +105,46 @@ fn answer(world: &World, diagnose: bool) -> Answer {
     Answer { check, run, diagnose }
 }
 
-fn world(files: [PathBuf; 3], table: &Path, joints: usize, f_dyn_hz: f64) -> World {
-    let cells = |line: &str| line.split(',').map(|c| c.trim().to_owned()).collect();
-    World {
-        logs: files.iter().map(|f| Log::read(f, joints)).collect(),
-        table: std::fs::read_to_string(table).unwrap().lines().filter(|l| !l.is_empty()).map(cells).collect(),
-        robot: vec!["gravity_m_s2 = [0.0, 0.0, -9.81]".into()],
-        geometry: "mdh = \"mdh.csv\"".into(),
-        recorded: Vec::new(),
-        calibration: format!("[\"{}\", \"{}\"]", NAMES[0], NAMES[1]),
-        validation: format!("[\"{}\"]", NAMES[2]),
-        f_dyn_hz,
-        rest: String::new(),
-        text: None,
+/// Makes a mistake; returns what tells it, and the answer.
+fn mistaken(right: &Setup, mistake: &Mistake, diagnose: bool) -> (Cures, Answer) {
+    let mut setup = right.clone();
+    let (_, cures) = (mistake.make)(&mut setup).unwrap();
+    (cures, answer(&setup, diagnose))
+}
+
+/// Columns: time, positions, velocities if there are any, measurements.
+fn log(path: &Path, validates: bool) -> Log {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().filter(|l| !l.starts_with('#') && !l.trim().is_empty());
+    let mut columns = vec![Vec::new(); lines.next().unwrap().split(',').count()];
+    for line in lines.take(ROWS) {
+        columns.iter_mut().zip(line.split(',')).for_each(|(c, cell)| c.push(cell.trim().parse().unwrap()));
+    }
+    let measurement = columns.split_off(columns.len() - JOINTS);
+    let velocity_rad_s = columns.split_off(1 + JOINTS);
+    let position_rad = columns.split_off(1);
+    Log {
+        time_s: columns.remove(0),
+        position_rad,
+        velocity_rad_s,
+        measurement,
+        units: Units::default(),
+        validates,
+    }
+}
+
+/// A UR10e with two recordings to calibrate on and one held out.
+fn ur10e(files: [PathBuf; 3], table: &Path, f_dyn_hz: f64) -> Setup {
+    let logs = files.iter().enumerate().map(|(k, file)| log(file, k == 2)).collect();
+    let table = MdhTable::from_path(table, MdhRows::Next).unwrap();
+    Setup {
+        constants_nm_per_a: Some(vec![11.976, 11.976, 9.839, 10.763, 10.763, 10.763]),
+        ..Setup::of_table(table.rows, logs, f_dyn_hz)
     }
 }
 
 /// A UR10e as it was logged.
-fn real() -> Option<World> {
+fn real() -> Option<Setup> {
     let Some(data) = std::env::var_os("AURT_DATA").map(PathBuf::from).filter(|d| d.is_dir()) else {
         println!(
             "skipped: mistakes on a UR10e need real recordings in the folder AURT_DATA (docs/real-recordings.md)"
@@ -117,37 +153,32 @@ fn real() -> Option<World> {
     };
     let file = |name: &str| data.join("ur10e").join(name);
     let files = ["excitation_30s.csv", "unloaded_50s.csv", "excitation_20s.csv"].map(file);
-    let mut world = world(files, &file("mdh.csv"), 6, 2.5);
-    world.set("torque_constants_nm_per_a", "[11.976, 11.976, 9.839, 10.763, 10.763, 10.763]");
-    Some(world)
+    Some(ur10e(files, &file("mdh.csv"), 2.5))
 }
 
-fn simulated(folder: &Path) -> World {
-    assert_eq!(aurt(folder, &["demo", "--out", "demo"]).status, 0);
-    let demo = folder.join("demo");
+fn simulated() -> Setup {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(aurt(folder.path(), &["demo", "--out", "demo"]).status, 0);
+    let demo = folder.path().join("demo");
     let files = ["exciting_motion.csv", "other_motion.csv", "point_to_point.csv"].map(|n| demo.join(n));
-    let mut world = world(files, &demo.join("mdh.csv"), 6, 5.0);
-    world.set("torque_constants_nm_per_a", "[11.976, 11.976, 9.839, 10.763, 10.763, 10.763]");
-    world
+    ur10e(files, &demo.join("mdh.csv"), 5.0)
 }
 
 #[test]
 fn without_a_mistake_nothing_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    for world in [Some(simulated(folder.path())), real()].into_iter().flatten() {
-        let answer = answer(&world, false);
+    for setup in [Some(simulated()), real()].into_iter().flatten() {
+        let answer = answer(&setup, false);
         assert_eq!(answer.run.status, 0, "{}", answer.run.text);
         assert!(answer.check.text.contains("no common mistake explains more"), "{}", answer.check.text);
     }
 }
 
 /// The largest held-out error of a joint while it moves, % of its signal, after `aurt run`.
-fn held_out_error_percent(world: &World) -> f64 {
-    let folder = tempfile::tempdir().unwrap();
-    world.write(folder.path());
+fn held_out_error_percent(setup: &Setup) -> f64 {
+    let folder = written(setup);
     let said = aurt(folder.path(), &["run", "experiment.toml", "--out", "out"]);
     assert_eq!(said.status, 0, "{}", said.text);
-    let metrics = std::fs::read(folder.path().join("out/metrics.json")).unwrap();
+    let metrics = fs::read(folder.path().join("out/metrics.json")).unwrap();
     let metrics: serde_json::Value = serde_json::from_slice(&metrics).unwrap();
     let recordings = metrics["recordings"].as_array().unwrap().iter().filter(|r| r["role"] == "validation");
     let errors = recordings.flat_map(|r| r["moving"]["nrmse"].as_array().unwrap().clone());
@@ -156,31 +187,27 @@ fn held_out_error_percent(world: &World) -> f64 {
 
 #[test]
 fn rows_that_are_held_or_without_measurement_are_left_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let right = simulated(folder.path());
+    let right = simulated();
     let error_percent = held_out_error_percent(&right);
     // 19 rows of 400 repeat the one before; a measurement of five is zero on all joints.
     let hold = |log: &mut Log| {
-        for rows in log.rows.chunks_exact_mut(400) {
-            for k in 301..320 {
-                let (before, row) = rows.split_at_mut(k);
-                row[0][1..].clone_from_slice(&before[300][1..]);
-            }
+        for series in log.families(Columns::Both).flatten() {
+            series.chunks_exact_mut(400).for_each(|rows| (301..320).for_each(|k| rows[k] = rows[300]));
         }
     };
     let silence = |log: &mut Log| {
-        let first = log.measurement(0);
-        log.rows.iter_mut().skip(3).step_by(5).for_each(|row| row[first..].fill(0.0));
+        let zero = |series: &mut Vec<f64>| series.iter_mut().skip(3).step_by(5).for_each(|v| *v = 0.0);
+        log.measurement.iter_mut().for_each(zero);
     };
     for (spoil, kind) in [(&hold as &dyn Fn(&mut Log), "held"), (&silence, "corrupt")] {
-        let mut world = right.clone();
-        world.each(|log| spoil(log));
-        let answer = answer(&world, false);
+        let mut setup = right.clone();
+        setup.each(spoil);
+        let answer = answer(&setup, false);
         for said in [kind, "no common mistake explains more"] {
             assert!(answer.check.text.contains(said), "{}", answer.check.text);
         }
         assert!(answer.run.text.contains("are left out"), "{}", answer.run.text);
-        let spoilt_percent = held_out_error_percent(&world);
+        let spoilt_percent = held_out_error_percent(&setup);
         assert!(
             spoilt_percent < 1.3 * error_percent,
             "{kind}: {spoilt_percent} %, {error_percent} % without"
@@ -190,13 +217,10 @@ fn rows_that_are_held_or_without_measurement_are_left_out() {
 
 #[test]
 fn mistakes_on_simulated_recordings_are_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let right = simulated(folder.path());
+    let right = simulated();
     for mistake in MISTAKES.iter().filter(|m| m.simulated && !NOT_TOLD.contains(&m.what)) {
-        let mut world = right.clone();
-        (mistake.make)(&mut world);
-        let answer = answer(&world, false);
-        assert!(answer.told(mistake), "{}:\n{}\n{}", mistake.what, answer.check.text, answer.run.text);
+        let (cures, answer) = mistaken(&right, mistake, false);
+        assert!(answer.told(&cures), "{}:\n{}\n{}", mistake.what, answer.check.text, answer.run.text);
     }
 }
 
@@ -214,23 +238,16 @@ fn mistakes_on_a_real_robot_are_told() {
     };
     let (mut told, mut confident) = (0, Vec::new());
     println!("| mistake | check | run | diagnose |\n|---|---|---|---|");
-    let answers: Vec<Answer> = chosen
-        .par_iter()
-        .map(|mistake| {
-            let mut world = right.clone();
-            (mistake.make)(&mut world);
-            answer(&world, diagnose)
-        })
-        .collect();
-    for (mistake, answer) in chosen.iter().zip(answers) {
-        told += usize::from(answer.told(mistake));
-        if answer.is_confident() && !answer.told(mistake) {
+    let answers: Vec<_> = chosen.par_iter().map(|mistake| mistaken(&right, mistake, diagnose)).collect();
+    for (mistake, (cures, answer)) in chosen.iter().zip(&answers) {
+        told += usize::from(answer.told(cures));
+        if answer.is_confident() && !answer.told(cures) {
             confident.push(mistake.what);
         }
-        let diagnose = answer.diagnose.as_ref().map_or("–", |d| d.short(mistake));
-        let (check, run) = (answer.check.short(mistake), answer.run.short(mistake));
+        let diagnose = answer.diagnose.as_ref().map_or("–", |d| d.short(cures));
+        let (check, run) = (answer.check.short(cures), answer.run.short(cures));
         println!("| {} | {check} | {run} | {diagnose} |", mistake.what);
-        if std::env::var_os("AURT_MISTAKES_VERBOSE").is_some() && !answer.told(mistake) {
+        if std::env::var_os("AURT_MISTAKES_VERBOSE").is_some() && !answer.told(cures) {
             let end =
                 |t: &str| t.chars().rev().take(900).collect::<Vec<_>>().into_iter().rev().collect::<String>();
             println!("  check: {}\n  run: {}", end(&answer.check.text), end(&answer.run.text));

@@ -5,7 +5,7 @@ use std::{path::Path, process::Command};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Kind, setup::Setup};
+use super::{Kind, mistakes::tells, setup::Setup};
 use crate::product::{Failure, OutputFolder};
 
 /// How a setup was answered.
@@ -93,8 +93,7 @@ impl Answer {
             said.retain(|s| !s.is_empty());
         }
         let text = said.join(" ");
-        let told =
-            kind.is_some_and(|k| k.cures.iter().any(|cure| cure.iter().all(|w| text.contains(w.as_str()))));
+        let told = kind.is_some_and(|k| tells(&text, &k.cures));
         let outcome = match output.status.code() {
             _ if told => Outcome::Told,
             Some(1) if !mistakes.is_empty() => Outcome::Accused,

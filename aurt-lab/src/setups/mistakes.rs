@@ -1,64 +1,103 @@
-//! Usual mistakes, each of a random joint or size.
+//! Usual mistakes, made in setups: the laboratory draws their joints and sizes, tests of `aurt check` state them.
+//!
+//! They are made in files alone, and told by words that people read: what the product tries to undo is no source of either.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use aurt_rbd::MdhRow;
 use aurt_simulation::Random;
 use aurt_traits::{MeasurementUnit, RobotNames};
 
-use super::setup::{Geometry, Log, Setup, file_name};
+use super::setup::{
+    Columns::{self, Both, Measurements, Positions},
+    Geometry, Log, Setup, file_name,
+};
 
 #[derive(Debug, Clone)]
 pub struct Kind {
     pub name: &'static str,
     pub detail: String,
-    /// What tells it with its cure: all words of one of these.
-    pub cures: Vec<Vec<String>>,
+    pub cures: Cures,
 }
 
-/// The detail of a mistake that was made, and what tells it with its cure; nothing for a setup that cannot have it.
-type Made = Option<(String, Vec<Vec<String>>)>;
-type Make = fn(&mut Setup, &mut Random) -> Made;
+/// What tells a mistake with its cure: all words of one of these.
+pub type Cures = Vec<Vec<String>>;
+/// The detail of a mistake that was made, and what tells it; nothing for a setup that cannot have it.
+pub type Made = Option<(String, Cures)>;
 
-const KINDS: [(&str, Make); 32] = [
-    ("zero of a joint a quarter or half a turn off", zero),
-    ("position of a joint with the other sign", |s, r| sign(s, r, true)),
-    ("measurement of a joint with the other sign", |s, r| sign(s, r, false)),
-    ("all measurements with the other sign", all_signs),
-    ("positions of two joints exchanged", |s, r| exchanged(s, r, true, false)),
-    ("measurements of two joints exchanged", |s, r| exchanged(s, r, false, true)),
-    ("positions and measurements of two joints exchanged", |s, r| exchanged(s, r, true, true)),
-    ("columns from the tip", from_tip),
-    ("name of another maker's robot", |s, r| other_robot(s, r, false)),
-    ("name of another robot of the family", |s, r| other_robot(s, r, true)),
-    ("gravity upside down", |s, _| gravity(s, |g| g.map(|v| -v))),
+/// The mistakes, each of a random joint or size.
+const KINDS: [(&str, fn(&mut Setup, &mut Random) -> Made); 32] = [
+    // Zeros of the last joint are those of its body, and so is that of the first one where gravity lies along its axis.
+    ("zero of a joint a quarter or half a turn off", |s, r| {
+        if s.joints() < 3 {
+            return None;
+        }
+        let joint = 1 + r.index(s.joints() - 2);
+        s.zero(joint, [FRAC_PI_2, -FRAC_PI_2, PI][r.index(3)])
+    }),
+    ("position of a joint with the other sign", |s, r| s.sign(Positions, r.index(s.joints()))),
+    ("measurement of a joint with the other sign", |s, r| s.sign(Measurements, r.index(s.joints()))),
+    ("all measurements with the other sign", |s, _| s.all_signs()),
+    ("positions of two joints exchanged", |s, r| s.exchanged(Positions, two(s, r))),
+    ("measurements of two joints exchanged", |s, r| s.exchanged(Measurements, two(s, r))),
+    ("positions and measurements of two joints exchanged", |s, r| s.exchanged(Both, two(s, r))),
+    ("columns from the tip", |s, _| s.from_tip()),
+    ("name of another maker's robot", |s, r| s.other_robot(r, false)),
+    ("name of another robot of the family", |s, r| s.other_robot(r, true)),
+    ("gravity upside down", |s, _| s.gravity(s.gravity_m_s2.map(|v| -v))),
     ("gravity along another axis", |s, r| {
         let side = r.sign();
-        if r.chance(0.5) {
-            gravity(s, |_| [side * 9.81, 0.0, 0.0])
-        } else {
-            gravity(s, |_| [0.0, side * 9.81, 0.0])
+        s.gravity(if r.chance(0.5) { [side * 9.81, 0.0, 0.0] } else { [0.0, side * 9.81, 0.0] })
+    }),
+    ("gravity zero", |s, _| s.gravity([0.0; 3])),
+    ("gravity in g", |s, _| s.gravity(s.gravity_m_s2.map(|v| v / 9.81))),
+    ("degrees for radians", |s, _| s.degrees(true)),
+    ("radians for degrees", |s, _| s.degrees(false)),
+    ("degrees in one recording", |s, r| {
+        let has = s.logs.len() > 1 && !s.declared.degrees && s.declared.gear_ratio.is_none();
+        has.then(|| s.degrees_in(r.index(s.logs.len()))).flatten()
+    }),
+    ("gears not stated", |s, r| {
+        (!s.declared.degrees).then(|| s.gears(r.between(30.0, 160.0).round())).flatten()
+    }),
+    ("stamps in ms", |s, _| s.milliseconds()),
+    ("seconds for ms", |s, _| s.seconds()),
+    ("clock too fast or too slow", |s, r| s.clock([2.0, 0.5, 4.0, 0.25, 10.0][r.index(5)])),
+    ("currents in mA", |s, _| s.milliampere()),
+    ("torques in Nmm", |s, _| s.newton_millimetres()),
+    ("torque constants of two joints exchanged", |s, r| s.constants_exchanged(two(s, r))),
+    ("torque constant ten times off", |s, r| {
+        let joint = r.index(s.joints());
+        s.constant(joint, if r.chance(0.5) { 10.0 } else { 0.1 })
+    }),
+    ("torque constant with the other sign", |s, r| s.constant_sign(r.index(s.joints()))),
+    ("measurements late", |s, r| {
+        let delay_s = r.between(0.08, 0.4);
+        // One is drawn for all too.
+        r.index(s.logs.len());
+        s.delay(delay_s, None)
+    }),
+    ("measurements late in one recording", |s, r| {
+        let delay_s = (s.logs.len() > 1).then(|| r.between(0.08, 0.4))?;
+        s.delay(delay_s, Some(r.index(s.logs.len())))
+    }),
+    ("columns one too far", |s, r| s.one_too_far(if r.chance(0.5) { Positions } else { Measurements })),
+    ("column of another joint", |s, r| {
+        let joints = two(s, r);
+        s.copied(if r.chance(0.5) { Positions } else { Measurements }, joints)
+    }),
+    ("`mdh_rows` the other way", |s, _| s.mdh_rows()),
+    ("table: a and d, lengths, order or alpha wrong", |s, r| {
+        if s.geometry != Geometry::Table {
+            return None;
+        }
+        match r.index(4) {
+            0 => s.exchanged_lengths(),
+            1 => s.lengths(100.0),
+            2 => s.from_tip_rows(),
+            _ => s.mirrored(),
         }
     }),
-    ("gravity zero", |s, _| gravity(s, |_| [0.0; 3])),
-    ("gravity in g", |s, _| gravity(s, |g| g.map(|v| v / 9.81))),
-    ("degrees for radians", |s, _| degrees(s, true)),
-    ("radians for degrees", |s, _| degrees(s, false)),
-    ("degrees in one recording", degrees_in_one),
-    ("gears not stated", gears),
-    ("stamps in ms", milliseconds),
-    ("seconds for ms", seconds),
-    ("clock too fast or too slow", clock),
-    ("currents in mA", milliampere),
-    ("torques in Nmm", newton_millimetres),
-    ("torque constants of two joints exchanged", constants_exchanged),
-    ("torque constant ten times off", constant_off),
-    ("torque constant with the other sign", constant_sign),
-    ("measurements late", |s, r| delay(s, r, false)),
-    ("measurements late in one recording", |s, r| delay(s, r, true)),
-    ("columns one too far", one_too_far),
-    ("column of another joint", copied),
-    ("`mdh_rows` the other way", mdh_rows),
-    ("table: a and d, lengths, order or alpha wrong", table),
 ];
 
 impl Kind {
@@ -72,275 +111,240 @@ impl Kind {
     }
 }
 
-fn words(cures: &[&[&str]]) -> Vec<Vec<String>> {
-    cures.iter().map(|cure| cure.iter().map(|word| (*word).to_owned()).collect()).collect()
+pub fn tells(text: &str, cures: &[Vec<String>]) -> bool {
+    cures.iter().any(|cure| cure.iter().all(|word| text.contains(word.as_str())))
 }
 
-fn joint_words(setup: &Setup, joint: usize, others: &[&str]) -> Vec<Vec<String>> {
-    let named = |other: &&str| vec![called(setup, &[joint]), (*other).to_owned()];
-    others.iter().map(named).collect()
+fn two(setup: &Setup, random: &mut Random) -> [usize; 2] {
+    let first = random.index(setup.joints() - 1);
+    [first, first + 1 + random.index(setup.joints() - 1 - first)]
 }
 
-fn called(setup: &Setup, joints: &[usize]) -> String {
-    RobotNames::of_joints(&setup.joint_names()).joint_list(joints)
+/// A mistake without joint or size.
+pub fn told(cures: &[&[&str]]) -> Made {
+    detailed("", cures)
 }
 
-fn each(setup: &mut Setup, change: impl Fn(&mut Log)) {
-    setup.logs.iter_mut().for_each(change);
+fn detailed(detail: &str, cures: &[&[&str]]) -> Made {
+    let words = |cure: &&[&str]| cure.iter().map(|word| (*word).to_owned()).collect();
+    Some((detail.to_owned(), cures.iter().map(words).collect()))
 }
 
-/// Zeros of the last joint are those of its body, and so is that of the first one where gravity lies along its axis.
-fn zero(setup: &mut Setup, random: &mut Random) -> Made {
-    if setup.joints() < 3 {
-        return None;
-    }
-    let joint = 1 + random.index(setup.joints() - 2);
-    let offset = [FRAC_PI_2, -FRAC_PI_2, PI][random.index(3)];
-    each(setup, |log| log.position_rad[joint].iter_mut().for_each(|q| *q += offset));
-    let row = format!("row {joint}");
-    let cures = vec![vec!["theta".into(), row], vec![format!("zero of {}", called(setup, &[joint]))]];
-    Some((format!("joint {joint}, {:.0}°", offset.to_degrees()), cures))
-}
-
-fn turn(series: &mut [f64]) {
-    series.iter_mut().for_each(|v| *v = -*v);
-}
-
-fn sign(setup: &mut Setup, random: &mut Random, position: bool) -> Made {
-    let joint = random.index(setup.joints());
-    each(setup, |log| {
-        turn(if position { &mut log.position_rad[joint] } else { &mut log.measurement[joint] });
-    });
-    Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
-}
-
-fn all_signs(setup: &mut Setup, _: &mut Random) -> Made {
-    each(setup, |log| log.measurement.iter_mut().for_each(|y| turn(y)));
-    Some((String::new(), words(&[&["gains of -1 for all joints"], &["check the signs"]])))
-}
-
-fn two(joints: usize, random: &mut Random) -> [usize; 2] {
-    let first = random.index(joints - 1);
-    [first, first + 1 + random.index(joints - 1 - first)]
-}
-
-fn exchanged(setup: &mut Setup, random: &mut Random, position: bool, measurement: bool) -> Made {
-    let [a, b] = two(setup.joints(), random);
-    each(setup, |log| {
-        if position {
-            log.position_rad.swap(a, b);
-        }
-        if measurement {
-            log.measurement.swap(a, b);
-        }
-    });
-    Some((format!("joints {a} and {b}"), vec![vec![format!("{} exchanged", called(setup, &[a, b]))]]))
-}
-
-fn from_tip(setup: &mut Setup, _: &mut Random) -> Made {
-    each(setup, |log| {
-        log.position_rad.reverse();
-        log.measurement.reverse();
-    });
-    let cures = if setup.joints() == 2 { words(&[&["exchanged"]]) } else { words(&[&["tip first"]]) };
-    Some((String::new(), cures))
-}
-
-fn other_robot(setup: &mut Setup, random: &mut Random, family: bool) -> Made {
-    let Geometry::Name(own) = &setup.geometry else { return None };
-    let others: &[&str] = match (own.as_str(), family) {
-        ("ur5e", true) => &["ur3e", "ur10e", "ur16e"],
-        ("ur10e", true) => &["ur3e", "ur5e", "ur16e"],
-        ("panda", true) => return None,
-        ("panda", false) => &["gen3", "iiwa14", "xarm7"],
-        _ => &["irb120", "kr6_r700", "tx2_60", "xarm6"],
-    };
-    let cure = vec![vec![format!("`name` to \"{own}\"")]];
-    let other = others[random.index(others.len())];
-    let detail = format!("{other} for {own}");
-    setup.geometry = Geometry::Name(other.to_owned());
-    Some((detail, cure))
-}
-
-fn gravity(setup: &mut Setup, changed: impl Fn([f64; 3]) -> [f64; 3]) -> Made {
-    let own = setup.gravity_m_s2;
-    setup.gravity_m_s2 = changed(own);
-    // The opposite of what stands may be what stood.
-    let along = own.iter().filter(|v| **v != 0.0).count() == 1;
-    if own == setup.gravity_m_s2 || !along {
-        return None;
-    }
-    let numbers: Vec<String> = own.iter().map(|v| format!("{v}")).collect();
-    let cure = format!("`gravity_m_s2` to [{}]", numbers.join(", "));
-    Some((format!("{:?}", setup.gravity_m_s2), vec![vec![cure]]))
+pub fn scale<'s>(all: impl IntoIterator<Item = &'s mut Vec<f64>>, factor: f64) {
+    all.into_iter().flatten().for_each(|v| *v *= factor);
 }
 
 const ANGLES: &[&[&str]] = &[&["angle"], &["gear_ratio"], &["counts_per_revolution"]];
 
-fn degrees(setup: &mut Setup, written: bool) -> Made {
-    if setup.declared.gear_ratio.is_some() {
-        return None;
+impl Setup {
+    fn called(&self, joints: &[usize]) -> String {
+        RobotNames::of_joints(&self.joint_names()).joint_list(joints)
     }
-    setup.declared.degrees = !written;
-    each(setup, |log| log.units.degrees = written);
-    Some((String::new(), words(ANGLES)))
-}
 
-fn degrees_in_one(setup: &mut Setup, random: &mut Random) -> Made {
-    if setup.logs.len() < 2 || setup.declared.degrees || setup.declared.gear_ratio.is_some() {
-        return None;
+    pub fn each(&mut self, change: impl Fn(&mut Log)) {
+        self.logs.iter_mut().for_each(change);
     }
-    let log = random.index(setup.logs.len());
-    setup.logs[log].units.degrees = true;
-    Some((file_name(log), vec![vec![file_name(log), "angle".into()]]))
-}
 
-fn gears(setup: &mut Setup, random: &mut Random) -> Made {
-    if setup.declared.degrees {
-        return None;
+    pub fn zero(&mut self, joint: usize, offset_rad: f64) -> Made {
+        self.each(|log| log.position_rad[joint].iter_mut().for_each(|q| *q += offset_rad));
+        let zero = format!("zero of {}", self.called(&[joint]));
+        let detail = format!("joint {joint}, {:.0}°", offset_rad.to_degrees());
+        detailed(&detail, &[&["theta", &format!("row {joint}")], &[&zero]])
     }
-    let ratio = random.between(30.0, 160.0).round();
-    setup.declared.gear_ratio = None;
-    each(setup, |log| log.units.gear_ratio = Some(ratio));
-    Some((format!("{ratio}"), words(ANGLES)))
-}
 
-fn milliseconds(setup: &mut Setup, _: &mut Random) -> Made {
-    setup.declared.milliseconds = false;
-    each(setup, |log| log.units.milliseconds = true);
-    Some((String::new(), words(&[&["time = \"ms\""]])))
-}
-
-fn seconds(setup: &mut Setup, _: &mut Random) -> Made {
-    setup.declared.milliseconds = true;
-    each(setup, |log| log.units.milliseconds = false);
-    Some((String::new(), words(&[&["`time"], &["time ="]])))
-}
-
-fn clock(setup: &mut Setup, random: &mut Random) -> Made {
-    let factor = [2.0, 0.5, 4.0, 0.25, 10.0][random.index(5)];
-    each(setup, |log| log.time_s.iter_mut().for_each(|t| *t *= factor));
-    Some((format!("{factor}"), words(&[&["multiply the stamps"], &["rate_hz"]])))
-}
-
-fn milliampere(setup: &mut Setup, _: &mut Random) -> Made {
-    if setup.unit != MeasurementUnit::Ampere {
-        return None;
+    pub fn sign(&mut self, of: Columns, joint: usize) -> Made {
+        self.each(|log| scale(log.families(of).map(|family| &mut family[joint]), -1.0));
+        detailed(&format!("joint {joint}"), &[&[&self.called(&[joint]), "sign"]])
     }
-    setup.declared.milliampere = false;
-    each(setup, |log| log.units.milliampere = true);
-    Some((String::new(), words(&[&["current = \"mA\""]])))
-}
 
-fn newton_millimetres(setup: &mut Setup, _: &mut Random) -> Made {
-    if setup.unit != MeasurementUnit::NewtonMetre {
-        return None;
+    pub fn all_signs(&mut self) -> Made {
+        self.each(|log| scale(&mut log.measurement, -1.0));
+        told(&[&["gains of -1 for all joints"], &["check the signs"]])
     }
-    each(setup, |log| log.measurement.iter_mut().flatten().for_each(|y| *y *= 1e3));
-    Some((String::new(), words(&[&["Nmm"]])))
-}
 
-fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Made {
-    let [a, b] = two(setup.joints(), random);
-    let constants = setup.constants_nm_per_a.as_mut()?;
-    if (0.8..1.25).contains(&(constants[a] / constants[b])) {
-        return None;
+    pub fn exchanged(&mut self, of: Columns, [a, b]: [usize; 2]) -> Made {
+        self.each(|log| log.families(of).for_each(|family| family.swap(a, b)));
+        detailed(&format!("joints {a} and {b}"), &[&[&format!("{} exchanged", self.called(&[a, b]))]])
     }
-    constants.swap(a, b);
-    Some((
-        format!("joints {a} and {b}"),
-        vec![vec![format!("the torque constants of {}", called(setup, &[a, b]))]],
-    ))
-}
 
-fn constant_off(setup: &mut Setup, random: &mut Random) -> Made {
-    let joint = random.index(setup.joints());
-    let factor = if random.chance(0.5) { 10.0 } else { 0.1 };
-    setup.constants_nm_per_a.as_mut()?[joint] *= factor;
-    Some((format!("joint {joint}, {factor}"), joint_words(setup, joint, &["constant"])))
-}
-
-fn constant_sign(setup: &mut Setup, random: &mut Random) -> Made {
-    let joint = random.index(setup.joints());
-    setup.constants_nm_per_a.as_mut()?[joint] *= -1.0;
-    Some((format!("joint {joint}"), joint_words(setup, joint, &["sign"])))
-}
-
-fn delay(setup: &mut Setup, random: &mut Random, one: bool) -> Made {
-    if one && setup.logs.len() < 2 {
-        return None;
+    pub fn from_tip(&mut self) -> Made {
+        self.each(|log| log.families(Both).for_each(|family| family.reverse()));
+        told(if self.joints() == 2 { &[&["exchanged"]] } else { &[&["tip first"]] })
     }
-    let delay_s = random.between(0.08, 0.4);
-    let chosen = random.index(setup.logs.len());
-    for (_, log) in setup.logs.iter_mut().enumerate().filter(|(k, _)| !one || *k == chosen) {
-        let period_s = (log.time_s[log.time_s.len() - 1] - log.time_s[0]) / (log.time_s.len() - 1) as f64;
-        let rows = (delay_s / period_s).round() as usize;
-        for series in &mut log.measurement {
-            let before = series.clone();
-            for (k, value) in series.iter_mut().enumerate() {
-                *value = before[k.saturating_sub(rows)];
+
+    fn other_robot(&mut self, random: &mut Random, family: bool) -> Made {
+        let Geometry::Name(own) = &self.geometry else { return None };
+        let others: &[&str] = match (own.as_str(), family) {
+            ("ur5e", true) => &["ur3e", "ur10e", "ur16e"],
+            ("ur10e", true) => &["ur3e", "ur5e", "ur16e"],
+            ("panda", true) => return None,
+            ("panda", false) => &["gen3", "iiwa14", "xarm7"],
+            _ => &["irb120", "kr6_r700", "tx2_60", "xarm6"],
+        };
+        let other = others[random.index(others.len())];
+        let made = detailed(&format!("{other} for {own}"), &[&[&format!("`name` to \"{own}\"")]]);
+        self.geometry = Geometry::Name(other.to_owned());
+        made
+    }
+
+    pub fn gravity(&mut self, to_m_s2: [f64; 3]) -> Made {
+        let own = std::mem::replace(&mut self.gravity_m_s2, to_m_s2);
+        // The opposite of what stands may be what stood.
+        let along = own.iter().filter(|v| **v != 0.0).count() == 1;
+        if own == to_m_s2 || !along {
+            return None;
+        }
+        let cure = format!("`gravity_m_s2` to [{}, {}, {}]", own[0], own[1], own[2]);
+        detailed(&format!("{to_m_s2:?}"), &[&[&cure]])
+    }
+
+    pub fn degrees(&mut self, written: bool) -> Made {
+        if self.declared.gear_ratio.is_some() {
+            return None;
+        }
+        self.declared.degrees = !written;
+        self.each(|log| log.units.degrees = written);
+        told(ANGLES)
+    }
+
+    pub fn degrees_in(&mut self, log: usize) -> Made {
+        self.logs[log].units.degrees = true;
+        detailed(&file_name(log), &[&[&file_name(log), "angle"]])
+    }
+
+    pub fn gears(&mut self, ratio: f64) -> Made {
+        self.declared.gear_ratio = None;
+        self.each(|log| log.units.gear_ratio = Some(ratio));
+        detailed(&format!("{ratio}"), ANGLES)
+    }
+
+    pub fn milliseconds(&mut self) -> Made {
+        self.declared.milliseconds = false;
+        self.each(|log| log.units.milliseconds = true);
+        told(&[&["time = \"ms\""]])
+    }
+
+    pub fn seconds(&mut self) -> Made {
+        self.declared.milliseconds = true;
+        self.each(|log| log.units.milliseconds = false);
+        told(&[&["`time"], &["time ="]])
+    }
+
+    fn clock(&mut self, factor: f64) -> Made {
+        self.each(|log| scale([&mut log.time_s], factor));
+        detailed(&format!("{factor}"), &[&["multiply the stamps"], &["rate_hz"]])
+    }
+
+    pub fn milliampere(&mut self) -> Made {
+        if self.unit != MeasurementUnit::Ampere {
+            return None;
+        }
+        self.declared.milliampere = false;
+        self.each(|log| log.units.milliampere = true);
+        told(&[&["current = \"mA\""]])
+    }
+
+    fn newton_millimetres(&mut self) -> Made {
+        if self.unit != MeasurementUnit::NewtonMetre {
+            return None;
+        }
+        self.each(|log| scale(&mut log.measurement, 1e3));
+        told(&[&["Nmm"]])
+    }
+
+    fn constants_exchanged(&mut self, [a, b]: [usize; 2]) -> Made {
+        let constants = self.constants_nm_per_a.as_mut()?;
+        if (0.8..1.25).contains(&(constants[a] / constants[b])) {
+            return None;
+        }
+        constants.swap(a, b);
+        let cure = format!("the torque constants of {}", self.called(&[a, b]));
+        detailed(&format!("joints {a} and {b}"), &[&[&cure]])
+    }
+
+    pub fn constant(&mut self, joint: usize, factor: f64) -> Made {
+        self.constants_nm_per_a.as_mut()?[joint] *= factor;
+        detailed(&format!("joint {joint}, {factor}"), &[&[&self.called(&[joint]), "constant"]])
+    }
+
+    pub fn constant_sign(&mut self, joint: usize) -> Made {
+        self.constants_nm_per_a.as_mut()?[joint] *= -1.0;
+        detailed(&format!("joint {joint}"), &[&[&self.called(&[joint]), "sign"]])
+    }
+
+    /// Measurements of a recording, or of all, come so much late.
+    pub fn delay(&mut self, delay_s: f64, one: Option<usize>) -> Made {
+        for (_, log) in self.logs.iter_mut().enumerate().filter(|(k, _)| one.is_none_or(|one| *k == one)) {
+            let period_s = (log.time_s[log.time_s.len() - 1] - log.time_s[0]) / (log.time_s.len() - 1) as f64;
+            let rows = (delay_s / period_s).round() as usize;
+            for series in &mut log.measurement {
+                let before = series.clone();
+                for (k, value) in series.iter_mut().enumerate() {
+                    *value = before[k.saturating_sub(rows)];
+                }
             }
         }
+        let file = one.map_or_else(String::new, file_name);
+        detailed(&format!("{:.0} ms", 1e3 * delay_s), &[&["delay_s", &file]])
     }
-    let mut cure = vec!["delay_s".to_owned()];
-    cure.extend(one.then(|| file_name(chosen)));
-    Some((format!("{:.0} ms", 1e3 * delay_s), vec![cure]))
-}
 
-fn one_too_far(setup: &mut Setup, random: &mut Random) -> Made {
-    let joints = setup.joints();
-    // Positions from the second on, and the first measurement; or the last position before the measurements.
-    let position = random.chance(0.5);
-    setup.columns = Some(if position { [2, 1 + joints] } else { [1, joints] });
-    let cures: &[&[&str]] = if position { &[&["positions", "order"], &["columns"]] } else { &[&["columns"]] };
-    Some((if position { "positions" } else { "measurements" }.into(), words(cures)))
-}
-
-fn copied(setup: &mut Setup, random: &mut Random) -> Made {
-    let [a, b] = two(setup.joints(), random);
-    let position = random.chance(0.5);
-    each(setup, |log| {
-        let family = if position { &mut log.position_rad } else { &mut log.measurement };
-        family[b] = family[a].clone();
-    });
-    let of = if position { "position" } else { "measurement" };
-    Some((
-        format!("{of} of joint {b}"),
-        vec![vec![format!("{} are the same column", called(setup, &[a, b]))]],
-    ))
-}
-
-fn mdh_rows(setup: &mut Setup, _: &mut Random) -> Made {
-    if setup.geometry != Geometry::Table {
-        return None;
+    /// Positions from the second on, and the first measurement; or the last position before the measurements.
+    fn one_too_far(&mut self, of: Columns) -> Made {
+        let joints = self.joints();
+        if of == Positions {
+            self.columns = Some([2, 1 + joints]);
+            return detailed("positions", &[&["positions", "order"], &["columns"]]);
+        }
+        self.columns = Some([1, joints]);
+        detailed("measurements", &[&["columns"]])
     }
-    setup.robot_lines.push("mdh_rows = \"previous\"".into());
-    Some((String::new(), words(&[&["`mdh_rows` to \"next\""]])))
-}
 
-fn table(setup: &mut Setup, random: &mut Random) -> Made {
-    if setup.geometry != Geometry::Table {
-        return None;
+    /// The column of one joint in the place of another's.
+    pub fn copied(&mut self, of: Columns, [a, b]: [usize; 2]) -> Made {
+        self.each(|log| {
+            let family = if of == Positions { &mut log.position_rad } else { &mut log.measurement };
+            family[b] = family[a].clone();
+        });
+        let of = if of == Positions { "position" } else { "measurement" };
+        let cure = format!("{} are the same column", self.called(&[a, b]));
+        detailed(&format!("{of} of joint {b}"), &[&[&cure]])
     }
-    let before = setup.mdh.clone();
-    let rows = &mut setup.mdh;
-    let (detail, cures): (&str, &[&[&str]]) = match random.index(4) {
-        0 => {
-            rows.iter_mut().for_each(|r| std::mem::swap(&mut r.a_m, &mut r.d_m));
-            ("a and d exchanged", &[&["a and d", "exchange"]])
+
+    pub fn mdh_rows(&mut self) -> Made {
+        if self.geometry != Geometry::Table {
+            return None;
         }
-        1 => {
-            rows.iter_mut().for_each(|r| (r.a_m, r.d_m) = (100.0 * r.a_m, 100.0 * r.d_m));
-            ("lengths in cm", &[&["multiply the columns a and d", "0.01"], &["metres"]])
-        }
-        2 => {
-            rows.reverse();
-            ("rows from the tip", &[&["order of the rows"]])
-        }
-        _ => {
-            rows.iter_mut().for_each(|r| r.alpha_rad = -r.alpha_rad);
-            ("alpha with the other sign", &[&["signs of the column alpha"], &["gravity_m_s2"]])
-        }
-    };
-    (*rows != before).then(|| (detail.to_owned(), words(cures)))
+        self.robot_lines.push("mdh_rows = \"previous\"".into());
+        told(&[&["`mdh_rows` to \"next\""]])
+    }
+
+    /// A change of a table; nothing if it changes none.
+    fn table(&mut self, change: impl Fn(&mut Vec<MdhRow>), detail: &str, cures: &[&[&str]]) -> Made {
+        let before = self.mdh.clone();
+        change(&mut self.mdh);
+        if self.mdh == before { None } else { detailed(detail, cures) }
+    }
+
+    pub fn exchanged_lengths(&mut self) -> Made {
+        let change =
+            |rows: &mut Vec<MdhRow>| rows.iter_mut().for_each(|r| std::mem::swap(&mut r.a_m, &mut r.d_m));
+        self.table(change, "a and d exchanged", &[&["a and d", "exchange"]])
+    }
+
+    pub fn lengths(&mut self, factor: f64) -> Made {
+        let row = |r: &mut MdhRow| (r.a_m, r.d_m) = (factor * r.a_m, factor * r.d_m);
+        let cures: &[&[&str]] =
+            &[&["multiply the columns a and d", &format!("{}", 1.0 / factor)], &["metres"]];
+        self.table(|rows| rows.iter_mut().for_each(row), "lengths in cm", cures)
+    }
+
+    pub fn from_tip_rows(&mut self) -> Made {
+        self.table(|rows| rows.reverse(), "rows from the tip", &[&["order of the rows"]])
+    }
+
+    pub fn mirrored(&mut self) -> Made {
+        let cures: &[&[&str]] = &[&["signs of the column alpha"], &["gravity_m_s2"]];
+        let change = |rows: &mut Vec<MdhRow>| rows.iter_mut().for_each(|r| r.alpha_rad = -r.alpha_rad);
+        self.table(change, "alpha with the other sign", cures)
+    }
 }

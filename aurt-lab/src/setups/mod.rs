@@ -3,12 +3,13 @@
 mod answer;
 mod arms;
 mod board;
-mod mistakes;
+pub mod mistakes;
 mod setup;
 
 pub use answer::{Answer, Outcome};
 pub use board::Board;
 pub use mistakes::Kind;
+pub use setup::{Columns, Geometry, Log, Setup, Units, file_name};
 
 use std::path::Path;
 
@@ -17,7 +18,6 @@ use serde_json::json;
 
 use crate::product::{Failure, OutputFolder, pretty};
 use aurt_simulation::{Random, SimulationError};
-use setup::Setup;
 
 #[derive(Debug, Clone, Copy)]
 pub struct Counted {

@@ -41,9 +41,32 @@ pub struct Units {
 pub struct Log {
     pub time_s: Vec<f64>,
     pub position_rad: Vec<Vec<f64>>,
+    /// Of no joint where velocities are not logged.
+    pub velocity_rad_s: Vec<Vec<f64>>,
     pub measurement: Vec<Vec<f64>>,
     pub units: Units,
     pub validates: bool,
+}
+
+/// Columns of a recording; those of positions have their velocities with them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    Positions,
+    Measurements,
+    Both,
+}
+
+impl Log {
+    /// Quantities, of each joint a series; those that are logged.
+    pub fn families(&mut self, of: Columns) -> impl Iterator<Item = &mut Vec<Vec<f64>>> {
+        let [moves, measures] = [of != Columns::Measurements, of != Columns::Positions];
+        let all = [
+            (moves, &mut self.position_rad),
+            (moves, &mut self.velocity_rad_s),
+            (measures, &mut self.measurement),
+        ];
+        all.into_iter().filter(|(is, family)| *is && !family.is_empty()).map(|(_, family)| family)
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -60,11 +83,31 @@ pub struct Setup {
     pub declared: Units,
     /// `columns` of every recording, where it states them.
     pub columns: Option<[usize; 2]>,
+    /// What happens to the text of each file before it is written.
+    pub edit: Option<fn(&str) -> String>,
     pub f_dyn_hz: f64,
     pub described: String,
 }
 
 impl Setup {
+    /// A robot under gravity with currents, as its table states it.
+    pub fn of_table(mdh: Vec<MdhRow>, logs: Vec<Log>, f_dyn_hz: f64) -> Self {
+        Self {
+            geometry: Geometry::Table,
+            mdh,
+            robot_lines: Vec::new(),
+            gravity_m_s2: [0.0, 0.0, -9.81],
+            unit: MeasurementUnit::Ampere,
+            constants_nm_per_a: None,
+            logs,
+            declared: Units::default(),
+            columns: None,
+            edit: None,
+            f_dyn_hz,
+            described: String::new(),
+        }
+    }
+
     /// What `aurt` calls the joints; nothing where it counts them.
     pub fn joint_names(&self) -> Vec<String> {
         match &self.geometry {
@@ -107,6 +150,7 @@ impl Setup {
             logs.push(Log {
                 time_s: made.time_s.clone(),
                 position_rad: columns(&made.position_rad),
+                velocity_rad_s: Vec::new(),
                 measurement: columns(&made.measurement),
                 units: Units::default(),
                 validates: *validates,
@@ -131,16 +175,12 @@ impl Setup {
         );
         Ok(Self {
             geometry,
-            mdh: robot.mdh.clone(),
-            robot_lines: Vec::new(),
             gravity_m_s2: robot.gravity_m_s2,
             unit: robot.unit,
             constants_nm_per_a: (is_current && random.chance(0.7)).then_some(constants),
-            logs,
             declared: units,
-            columns: None,
-            f_dyn_hz: motions.f_dyn_hz(rate_hz, random),
             described,
+            ..Self::of_table(robot.mdh.clone(), logs, motions.f_dyn_hz(rate_hz, random))
         })
     }
 
@@ -149,28 +189,36 @@ impl Setup {
     }
 
     pub fn files(&self) -> Vec<(String, Vec<u8>)> {
-        let mut files = vec![("experiment.toml".to_owned(), self.experiment().into_bytes())];
+        let mut files = vec![("experiment.toml".to_owned(), self.experiment())];
         match self.geometry {
             Geometry::Name(_) => {}
-            Geometry::Urdf => files.push(("robot.urdf".into(), urdf(&self.mdh).into_bytes())),
-            Geometry::Table => files.push(("mdh.csv".into(), table(&self.mdh).into_bytes())),
+            Geometry::Urdf => files.push(("robot.urdf".into(), urdf(&self.mdh))),
+            Geometry::Table => files.push(("mdh.csv".into(), table(&self.mdh))),
         }
-        let log = |(k, log): (usize, &Log)| (file_name(k), self.csv(log).into_bytes());
-        files.extend(self.logs.iter().enumerate().map(log));
-        files
+        files.extend(self.logs.iter().enumerate().map(|(k, log)| (file_name(k), self.csv(log))));
+        let edited = |text: String| match self.edit {
+            Some(edit) => edit(&text),
+            None => text,
+        };
+        files.into_iter().map(|(name, text)| (name, edited(text).into_bytes())).collect()
     }
 
     fn csv(&self, log: &Log) -> String {
         let quantity = if self.unit == MeasurementUnit::Ampere { "current" } else { "torque" };
-        let names = |of: &str| (0..self.joints()).map(|j| format!(",{of}_{j}")).collect::<String>();
-        let mut text = format!("time{}{}\n", names("q"), names(quantity));
+        let names = |of: &str, family: &[Vec<f64>]| -> String {
+            (0..family.len()).map(|j| format!(",{of}_{j}")).collect()
+        };
+        let [q, qd] = [names("q", &log.position_rad), names("qd", &log.velocity_rad_s)];
+        let mut text = format!("time{q}{qd}{}\n", names(quantity, &log.measurement));
         let time = if log.units.milliseconds { 1e3 } else { 1.0 };
         let degrees = if log.units.degrees { 360.0 / TAU } else { 1.0 };
         let position = degrees * log.units.gear_ratio.unwrap_or(1.0);
         let measurement = if log.units.milliampere { 1e3 } else { 1.0 };
         for (row, t) in log.time_s.iter().enumerate() {
             text.push_str(&format!("{:.6}", t * time));
-            for (family, factor) in [(&log.position_rad, position), (&log.measurement, measurement)] {
+            let families =
+                [(&log.position_rad, position), (&log.velocity_rad_s, 1.0), (&log.measurement, measurement)];
+            for (family, factor) in families {
                 text.extend(family.iter().map(|series| format!(",{:.7}", series[row] * factor)));
             }
             text.push('\n');

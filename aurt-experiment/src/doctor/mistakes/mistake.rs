@@ -104,6 +104,18 @@ impl Columns {
     }
 }
 
+/// Every two of so many joints.
+pub(super) fn pairs(joints: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..joints).flat_map(move |a| (a + 1..joints).map(move |b| [a, b]))
+}
+
+/// An order with two of its columns exchanged.
+pub(super) fn exchanged(order: &[usize], [a, b]: [usize; 2]) -> Vec<usize> {
+    let mut order = order.to_vec();
+    order.swap(a, b);
+    order
+}
+
 impl Mistake {
     /// The one recording that it is in.
     pub fn file(&self) -> Option<usize> {

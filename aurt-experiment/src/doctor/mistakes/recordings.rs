@@ -11,7 +11,7 @@ use super::{
     explained::{Poor, heaviest},
     folds::folds,
     found::{Found, Step},
-    mistake::{Columns, Mistake, Reading},
+    mistake::{Columns, Mistake, Reading, exchanged, pairs},
     search::{Search, is_explained},
     setup::{Extent, Part, Setup, Subject},
     trial::{Bench, Fit, FittedRows},
@@ -161,14 +161,9 @@ fn of_recording(count: usize, joints: &[usize], file: usize) -> Vec<Mistake> {
 
 /// Orders with two columns exchanged, one of them that of one of the joints.
 fn exchanges(count: usize, joints: &[usize]) -> Vec<Vec<usize>> {
-    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
-    let concerned = pairs.filter(|pair| pair.iter().any(|j| joints.contains(j)));
-    let exchanged = concerned.map(|[a, b]| {
-        let mut order: Vec<usize> = (0..count).collect();
-        order.swap(a, b);
-        order
-    });
-    exchanged.collect()
+    let order: Vec<usize> = (0..count).collect();
+    let concerned = pairs(count).filter(|pair| pair.iter().any(|j| joints.contains(j)));
+    concerned.map(|pair| exchanged(&order, pair)).collect()
 }
 
 /// Mistakes of measurements that have to do with some joints, each of the stretch that gains most by undoing it.

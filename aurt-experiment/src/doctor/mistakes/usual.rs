@@ -7,7 +7,7 @@ use aurt_rbd::{Joint, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
 use aurt_traits::MeasurementUnit;
 
 use super::{
-    mistake::{Columns, Mistake, Reading, Table},
+    mistake::{Columns, Mistake, Reading, Table, exchanged, pairs},
     setup::{Setup, Subject},
 };
 
@@ -170,8 +170,7 @@ fn constants(subject: &Subject) -> Vec<Reading> {
     let is_current = subject.recordings.iter().any(|r| r.loaded.recording.unit == MeasurementUnit::Ampere);
     let constants = subject.instrument.torque_constants_nm_per_a.as_deref().filter(|_| is_current);
     let constants = constants.unwrap_or_default();
-    let pairs = (0..constants.len()).flat_map(|a| (a + 1..constants.len()).map(move |b| [a, b]));
-    pairs
+    pairs(constants.len())
         .map(|[a, b]| Reading::Constants { joints: [a, b], factor: constants[b] / constants[a] })
         .filter(|r| !matches!(r, Reading::Constants { factor, .. } if *factor == 1.0))
         .collect()
@@ -179,16 +178,9 @@ fn constants(subject: &Subject) -> Vec<Reading> {
 
 /// Tip first, shifted by one to either side, two exchanged.
 fn orders(joints: usize) -> Vec<Vec<usize>> {
-    let mut orders: Vec<Vec<usize>> = Vec::new();
     let plain: Vec<usize> = (0..joints).collect();
     let rotated = |by: usize| (0..joints).map(|j| (j + by) % joints).collect::<Vec<_>>();
-    for first in 0..joints {
-        for second in first + 1..joints {
-            let mut order = plain.clone();
-            order.swap(first, second);
-            orders.push(order);
-        }
-    }
+    let mut orders: Vec<Vec<usize>> = pairs(joints).map(|pair| exchanged(&plain, pair)).collect();
     for order in [plain.iter().rev().copied().collect(), rotated(1), rotated(joints.saturating_sub(1))] {
         if order != plain && !orders.contains(&order) {
             orders.push(order);

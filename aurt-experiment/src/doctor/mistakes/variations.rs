@@ -1,6 +1,6 @@
 //! Neighbours of mistakes: with other numbers, for fitting these, and with other orders of columns.
 
-use super::mistake::{Mistake, Reading};
+use super::mistake::{Mistake, Reading, exchanged, pairs};
 
 /// Neighbours of a number that was tried coarsely; `step` is 1 at first and falls.
 pub(super) fn variations(mistake: &Mistake, step: f64) -> Vec<Mistake> {
@@ -29,13 +29,8 @@ impl Mistake {
     /// The same with two columns more exchanged, where it is about an order.
     pub(super) fn exchanges(&self) -> Vec<Self> {
         let Self::Reading { what: Reading::Order { of, order }, file } = self else { return Vec::new() };
-        let pairs = (0..order.len()).flat_map(|a| (a + 1..order.len()).map(move |b| (a, b)));
-        let exchanged = pairs.map(|(a, b)| {
-            let mut order = order.clone();
-            order.swap(a, b);
-            order
-        });
-        let others = exchanged.filter(|order| !order.iter().copied().eq(0..order.len()));
+        let others = pairs(order.len()).map(|pair| exchanged(order, pair));
+        let others = others.filter(|order| !order.iter().copied().eq(0..order.len()));
         others.map(|order| Self::Reading { what: Reading::Order { of: *of, order }, file: *file }).collect()
     }
 }
