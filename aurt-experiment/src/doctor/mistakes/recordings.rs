@@ -212,15 +212,3 @@ impl FittedRows {
         Some([from_s, to_s])
     }
 }
-
-impl Reading {
-    /// The joint in whose column the measurement of a joint is, and its sign there.
-    fn measured_as(&self, joint: usize) -> (usize, f64) {
-        match self {
-            Self::MeasurementSign(own) if *own == joint => (joint, -1.0),
-            Self::AllMeasurementSigns => (joint, -1.0),
-            Self::Order { of, order } if of.measurements() => (order[joint], 1.0),
-            _ => (joint, 1.0),
-        }
-    }
-}

@@ -39,46 +39,18 @@ impl Mistake {
 
 impl Reading {
     fn undone(&self, part: &Part) -> Part {
-        let mut recording: Recording = (*part.recording).clone();
+        let mut recording = Recording::clone(&part.recording);
         let mut options = part.options.clone();
-        let scale = |series: &mut Vec<f64>, factor: f64| series.iter_mut().for_each(|v| *v *= factor);
-        let all_positions = |recording: &mut Recording, factor: f64| {
-            recording.position_rad.iter_mut().for_each(|q| scale(q, factor));
-        };
+        recording.position_rad = read(&recording.position_rad, |joint| self.positioned_as(joint));
+        recording.measurement = recording.measurement.map(|all| read(&all, |joint| self.measured_as(joint)));
         match self {
-            Self::Degrees => all_positions(&mut recording, 1_f64.to_radians()),
-            Self::Turns => all_positions(&mut recording, std::f64::consts::TAU),
-            Self::Geared(ratio) => all_positions(&mut recording, 1.0 / ratio),
-            Self::PositionSign(joint) => scale(&mut recording.position_rad[*joint], -1.0),
-            Self::AxisSign(joint) => {
-                scale(&mut recording.position_rad[*joint], -1.0);
-                measured(&mut recording, *joint, -1.0);
-            }
-            Self::MeasurementSign(joint) => measured(&mut recording, *joint, -1.0),
-            Self::AllMeasurementSigns => {
-                (0..recording.joints()).for_each(|joint| measured(&mut recording, joint, -1.0));
-            }
-            Self::Gain { joint, factor } => measured(&mut recording, *joint, *factor),
-            Self::Constants { joints: [a, b], factor } => {
-                measured(&mut recording, *a, *factor);
-                measured(&mut recording, *b, 1.0 / factor);
-            }
-            Self::Order { of, order } => {
-                let ordered = |family: &[Vec<f64>]| order.iter().map(|j| family[*j].clone()).collect();
-                if of.positions() {
-                    recording.position_rad = ordered(&recording.position_rad);
-                }
-                if of.measurements() {
-                    recording.measurement = recording.measurement.as_deref().map(ordered);
-                }
-            }
             Self::Delay(delay_s) => {
                 let options = Arc::make_mut(&mut options);
                 let before = options.delay_s.take().unwrap_or_else(|| vec![0.0; recording.joints()]);
                 options.delay_s = Some(before.iter().map(|d| d + delay_s).collect());
             }
             Self::Time(factor) => {
-                scale(&mut recording.time_s, *factor);
+                recording.time_s.iter_mut().for_each(|t| *t *= factor);
                 let options = Arc::make_mut(&mut options);
                 options.f_dyn_hz /= factor;
                 options.rest_velocity_rad_s /= factor;
@@ -96,32 +68,57 @@ impl Reading {
                     }
                 }
             }
+            _ => {}
         }
         let mut part = part.with(Arc::new(recording), options);
-        part.slow_rad_s *= self.speed();
+        part.slow_rad_s *= self.angle();
         if let Self::Time(factor) = self {
+            part.slow_rad_s *= 1.0 / factor;
             part.origin_s *= factor;
         }
         part
     }
 
-    fn speed(&self) -> f64 {
+    /// The joint in whose column the position of a joint is, and what it is multiplied with.
+    fn positioned_as(&self, joint: usize) -> (usize, f64) {
+        match self {
+            Self::PositionSign(own) | Self::AxisSign(own) if *own == joint => (joint, -1.0),
+            Self::Order { of, order } if of.positions() => (order[joint], 1.0),
+            _ => (joint, self.angle()),
+        }
+    }
+
+    /// The same of a measurement.
+    pub(super) fn measured_as(&self, joint: usize) -> (usize, f64) {
+        match self {
+            Self::MeasurementSign(own) | Self::AxisSign(own) if *own == joint => (joint, -1.0),
+            Self::AllMeasurementSigns => (joint, -1.0),
+            Self::Gain { joint: own, factor } if *own == joint => (joint, *factor),
+            Self::Constants { joints: [own, _], factor } if *own == joint => (joint, *factor),
+            Self::Constants { joints: [_, own], factor } if *own == joint => (joint, 1.0 / factor),
+            Self::Order { of, order } if of.measurements() => (order[joint], 1.0),
+            _ => (joint, 1.0),
+        }
+    }
+
+    /// What positions and speeds are multiplied with, whatever the joint.
+    fn angle(&self) -> f64 {
         match self {
             Self::Degrees => 1_f64.to_radians(),
             Self::Turns => std::f64::consts::TAU,
-            Self::Geared(factor) | Self::Time(factor) => 1.0 / factor,
+            Self::Geared(ratio) => 1.0 / ratio,
             _ => 1.0,
         }
     }
 }
 
+/// The series of joints, each from a column by a factor.
+fn read(columns: &[Vec<f64>], joint_as: impl Fn(usize) -> (usize, f64)) -> Vec<Vec<f64>> {
+    let series = |(column, factor): (usize, f64)| columns[column].iter().map(|v| v * factor).collect();
+    (0..columns.len()).map(|joint| series(joint_as(joint))).collect()
+}
+
 /// Takes a row from the same series elsewhere.
 fn put(to: &mut [Vec<f64>], from: &[Vec<f64>], row: usize) {
     to.iter_mut().zip(from).for_each(|(to, from)| to[row] = from[row]);
-}
-
-fn measured(recording: &mut Recording, joint: usize, factor: f64) {
-    if let Some(series) = recording.measurement.as_mut().and_then(|m| m.get_mut(joint)) {
-        series.iter_mut().for_each(|v| *v *= factor);
-    }
 }
