@@ -11,22 +11,29 @@ const SHARE: f64 = 0.999;
 /// Arms are rigid below this frequency, Hz: the lowest resonances of their gears lie at 10 Hz and above, and no model of rigid
 /// links follows them.
 const RIGID_HZ: f64 = 10.0;
+/// Largest share of the shortest recording that the filters' memory, 1.7 / f_dyn, may have: rows so near to its ends, to gaps and to
+/// reversals that are left out do not count.
+const MEMORY_SHARE: f64 = 1.0 / 40.0;
+const MEMORY_PERIODS: f64 = 1.7;
 /// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
 const NOISE_SHARE: f64 = 0.01;
 
 /// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
-/// one of at least 5 f, or of at least 10 Hz where that is less; lower where noise of the positions below it has more than 1 % of the
-/// power of the accelerations, but not below f. The position filter, at 5 f_dyn, lies below half of each sampling rate.
+/// one of at least 5 f and 68 / T, with T the length of the shortest recording, or of at least 10 Hz where that is less; lower where
+/// noise of the positions below it has more than 1 % of the power of the accelerations, but not below f. The position filter, at
+/// 5 f_dyn, lies below half of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
 /// weight of its mean power, whatever its length and rate.
 #[must_use]
 pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Option<f64> {
-    let (mut spectrum, mut slowest_hz) = (Vec::new(), f64::INFINITY);
-    let mut noises = Vec::new();
+    let (mut spectrum, mut noises) = (Vec::new(), Vec::new());
+    let (mut slowest_hz, mut shortest_s) = (f64::INFINITY, f64::INFINITY);
     for recording in recordings {
+        let samples: usize = recording.segments.iter().map(|s| s.motion.samples()).sum();
+        shortest_s = shortest_s.min(samples as f64 / recording.report.rate_hz);
         slowest_hz = slowest_hz.min(recording.report.rate_hz);
         spectrum
             .extend((0..recording.position_noise.len()).flat_map(|joint| recording.velocity_spectrum(joint)));
@@ -38,16 +45,17 @@ pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocess
         noises.iter().map(|noise| noise.acceleration_power(f_dyn_hz)).sum::<f64>()
             <= NOISE_SHARE * accelerations
     };
-    chosen_hz(reach_hz(spectrum)?, slowest_hz, quiet)
+    chosen_hz(reach_hz(spectrum)?, shortest_s, slowest_hz, quiet)
 }
 
-/// f_dyn for motion below `top_hz` at a sampling rate, where noise allows it only if it is `quiet`.
-fn chosen_hz(top_hz: f64, rate_hz: f64, quiet: impl Fn(f64) -> bool) -> Option<f64> {
+/// f_dyn for motion below `top_hz`, for a length and a sampling rate, where noise allows it only if it is `quiet`.
+fn chosen_hz(top_hz: f64, shortest_s: f64, rate_hz: f64, quiet: impl Fn(f64) -> bool) -> Option<f64> {
     let possible: Vec<f64> = F_DYN_HZ.into_iter().filter(|f| 10.0 * f < rate_hz).collect();
     let least = |wanted_hz: f64| {
         possible.iter().position(|f| *f >= wanted_hz).unwrap_or(possible.len().saturating_sub(1))
     };
-    let (lowest, wanted) = (least(top_hz), least((ROOM * top_hz).min(RIGID_HZ).max(top_hz)));
+    let wanted_hz = (ROOM * top_hz).max(MEMORY_PERIODS / (MEMORY_SHARE * shortest_s));
+    let (lowest, wanted) = (least(top_hz), least(wanted_hz.min(RIGID_HZ).max(top_hz)));
     let chosen = (lowest..=wanted).rev().find(|k| possible.get(*k).is_some_and(|f| quiet(*f)));
     possible.get(chosen.unwrap_or(lowest)).copied()
 }
@@ -155,7 +163,7 @@ mod tests {
 
     #[test]
     fn the_band_has_room_where_arms_are_rigid_and_noise_allows_it() {
-        let chosen = |top_hz, rate_hz, quiet_hz: f64| chosen_hz(top_hz, rate_hz, |f| f <= quiet_hz);
+        let chosen = |top_hz, rate_hz, quiet_hz: f64| chosen_hz(top_hz, 100.0, rate_hz, |f| f <= quiet_hz);
         let quiet = f64::INFINITY;
         assert_eq!(chosen(0.6, 500.0, quiet), Some(3.0));
         assert_eq!(chosen(0.1, 500.0, quiet), Some(1.0));
@@ -167,6 +175,9 @@ mod tests {
         assert_eq!(chosen(0.6, 500.0, 0.0), Some(1.0));
         assert_eq!(chosen(0.6, 25.0, quiet), Some(2.0));
         assert_eq!(chosen(0.6, 9.0, quiet), None);
+        // Short recordings.
+        let long = |shortest_s| chosen_hz(0.6, shortest_s, 500.0, |_| true);
+        assert_eq!([60.0, 20.0, 10.0, 5.0].map(long), [3.0, 4.0, 8.0, 10.0].map(Some));
     }
 
     #[test]
