@@ -3,7 +3,7 @@
 use crate::noise::velocity_gain;
 use crate::preprocess::Preprocessed;
 
-const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
+const F_DYN_HZ: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, RIGID_HZ];
 /// f_dyn over the frequency below which the motion lies: friction turns smooth motion into odd harmonics of it.
 const ROOM: f64 = 5.0;
 /// Share of the power of a motion that lies below that frequency.
@@ -21,8 +21,8 @@ const NOISE_SHARE: f64 = 0.01;
 /// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
-/// one of at least 5 f and 68 / T, with T the length of the shortest recording, or of at least 10 Hz where that is less; lower where
-/// noise of the positions below it has more than 1 % of the power of the accelerations, but not below f. The position filter, at
+/// one of at least 5 f and 68 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
+/// below it has more than 1 % of the power of the accelerations, but not below f. The position filter, at
 /// 5 f_dyn, lies below half of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
@@ -55,7 +55,7 @@ fn chosen_hz(top_hz: f64, shortest_s: f64, rate_hz: f64, quiet: impl Fn(f64) -> 
         possible.iter().position(|f| *f >= wanted_hz).unwrap_or(possible.len().saturating_sub(1))
     };
     let wanted_hz = (ROOM * top_hz).max(MEMORY_PERIODS / (MEMORY_SHARE * shortest_s));
-    let (lowest, wanted) = (least(top_hz), least(wanted_hz.min(RIGID_HZ).max(top_hz)));
+    let [lowest, wanted] = [top_hz, wanted_hz].map(|hz| least(hz.min(RIGID_HZ)));
     let chosen = (lowest..=wanted).rev().find(|k| possible.get(*k).is_some_and(|f| quiet(*f)));
     possible.get(chosen.unwrap_or(lowest)).copied()
 }
@@ -167,9 +167,8 @@ mod tests {
         let quiet = f64::INFINITY;
         assert_eq!(chosen(0.6, 500.0, quiet), Some(3.0));
         assert_eq!(chosen(0.1, 500.0, quiet), Some(1.0));
-        // Five times the motion's frequency is beyond rigid arms; the motion itself is not cut.
-        assert_eq!(chosen(4.0, 500.0, quiet), Some(10.0));
-        assert_eq!(chosen(12.0, 500.0, quiet), Some(15.0));
+        // Beyond rigid arms lie five times the motion's frequency, and what lost samples make of a motion.
+        assert_eq!([4.0, 40.0].map(|top_hz| chosen(top_hz, 500.0, quiet)), [Some(10.0); 2]);
         // Noise, and the rate.
         assert_eq!(chosen(0.6, 500.0, 2.0), Some(2.0));
         assert_eq!(chosen(0.6, 500.0, 0.0), Some(1.0));
