@@ -13,7 +13,7 @@ const SHARE: f64 = 0.999;
 const RIGID_HZ: f64 = 10.0;
 /// Largest share of the shortest recording that the filters' memory, 1.7 / f_dyn, may have: rows so near to its ends, to gaps and to
 /// reversals that are left out do not count.
-const MEMORY_SHARE: f64 = 1.0 / 40.0;
+const MEMORY_SHARE: f64 = 1.0 / 50.0;
 const MEMORY_PERIODS: f64 = 1.7;
 /// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
 const NOISE_SHARE: f64 = 0.01;
@@ -21,7 +21,7 @@ const NOISE_SHARE: f64 = 0.01;
 /// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
-/// one of at least 5 f and 68 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
+/// one of at least 5 f and 85 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
 /// below it has more than 1 % of the power of the accelerations, but not below f. The position filter, at
 /// 5 f_dyn, lies below half of each sampling rate.
 ///
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(chosen(0.6, 9.0, quiet), None);
         // Short recordings.
         let long = |shortest_s| chosen_hz(0.6, shortest_s, 500.0, |_| true);
-        assert_eq!([60.0, 20.0, 10.0, 5.0].map(long), [3.0, 4.0, 8.0, 10.0].map(Some));
+        assert_eq!([60.0, 20.0, 10.0, 5.0].map(long), [3.0, 5.0, 10.0, 10.0].map(Some));
     }
 
     #[test]
