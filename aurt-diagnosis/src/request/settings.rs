@@ -134,9 +134,13 @@ mod tests {
     #[test]
     fn settings_are_set_by_name_within_their_ranges() {
         let options = SelectionOptions::default();
-        assert_eq!(options.named().len(), 14);
+        assert_eq!(options.named().len(), 15);
         assert_eq!(options.with("level", 0.01).unwrap(), SelectionOptions { level: 0.01, ..options });
         assert_eq!(options.with("rounds", 2.0).unwrap(), SelectionOptions { rounds: 2, ..options });
+        assert_eq!(
+            options.with("f_dyn_hz", 4.5).unwrap(),
+            SelectionOptions { f_dyn_hz: Some(4.5), ..options }
+        );
         for (name, value, said) in [
             ("score", -1.0, "from 0"),
             ("level", 1.5, "share"),

@@ -16,13 +16,13 @@ const RIGID_HZ: f64 = 10.0;
 const MEMORY_SHARE: f64 = 1.0 / 50.0;
 const MEMORY_PERIODS: f64 = 1.7;
 /// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
-const NOISE_SHARE: f64 = 0.01;
+const NOISE_SHARE: f64 = 1e-3;
 
 /// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
 /// one of at least 5 f and 85 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
-/// below it has more than 1 % of the power of the accelerations, but not below f. The position filter, at
+/// below it has more than 0.1 % of the power of the accelerations, but not below f. The position filter, at
 /// 5 f_dyn, lies below half of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
