@@ -25,8 +25,11 @@ pub type Cures = Vec<Vec<String>>;
 /// The detail of a mistake that was made, and what tells it; nothing for a setup that cannot have it.
 pub type Made = Option<(String, Cures)>;
 
+/// A mistake of a kind, drawn and made.
+type Draw = fn(&mut Setup, &mut Random) -> Made;
+
 /// The mistakes, each of a random joint or size.
-const KINDS: [(&str, fn(&mut Setup, &mut Random) -> Made); 32] = [
+const KINDS: [(&str, Draw); 32] = [
     // Zeros of the last joint are those of its body, and so is that of the first one where gravity lies along its axis.
     ("zero of a joint a quarter or half a turn off", |s, r| {
         if s.joints() < 3 {
