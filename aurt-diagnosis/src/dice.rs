@@ -9,12 +9,12 @@ impl Dice {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Of unit variance: a sum of twelve uniform numbers.
+    /// A number of unit variance, the sum of twelve uniform ones.
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// Of unit variance with the tails of a normal distribution (Box, Muller 1958).
+    /// A normal number of unit variance (Box, Muller 1958).
     pub fn gaussian(&mut self) -> f64 {
         (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }

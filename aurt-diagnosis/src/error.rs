@@ -27,7 +27,7 @@ pub enum DiagnosisError {
     /// A recording is too short for cross-validation over blocks of time.
     #[error(
         "{recording}: {rows} rows are left after filtering and decimation, too few to divide into {blocks} \
-         blocks of time; record longer or raise `f_dyn_hz`"
+         blocks of time; record longer, or raise `f_dyn_hz` under [diagnosis]"
     )]
     TooShort {
         recording: String,
@@ -38,7 +38,7 @@ pub enum DiagnosisError {
     /// What is in question is too short for any judgement.
     #[error(
         "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed for \
-         held-out validation; record longer, or raise `f_dyn_hz` if the motion is faster than that"
+         held-out validation; record longer, or raise `f_dyn_hz` under [diagnosis]"
     )]
     Brief {
         /// The recording, the longest of its kind.

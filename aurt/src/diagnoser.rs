@@ -212,7 +212,7 @@ impl Diagnoser {
         let joints = self.joints();
         let loaded: Vec<Loaded> =
             self.parts.iter().map(|part| part.loaded(&joints)).collect::<Result<_, _>>()?;
-        let of_motion = || suitable_hz(&loaded, &joints).unwrap_or(preprocessing.f_dyn_hz);
+        let of_motion = || suitable_hz(&loaded, &joints, preprocessing).unwrap_or(preprocessing.f_dyn_hz);
         let f_dyn_hz = self.selection.f_dyn_hz.unwrap_or_else(of_motion);
         let preprocessing = &PreprocessOptions { f_dyn_hz, ..preprocessing.clone() };
         let pipeline = Pipeline { joints, preprocessing, instrument };
@@ -293,11 +293,15 @@ impl Diagnoser {
     }
 }
 
-/// The f_dyn that suits the motion of recordings; `None` if nothing moves.
-fn suitable_hz(loaded: &[Loaded], joints: &RobotJoints) -> Option<f64> {
+/// The f_dyn that suits the motion of recordings that are divided and resampled as asked; `None` if nothing moves.
+fn suitable_hz(loaded: &[Loaded], joints: &RobotJoints, asked: &PreprocessOptions) -> Option<f64> {
     let rate_hz = |one: &Loaded| Some(1.0 / median_step_s(&one.recording.time_s)?);
-    let lowest_hz = loaded.iter().filter_map(rate_hz).fold(f64::INFINITY, f64::min);
-    let preprocessing = PreprocessOptions::first_look(lowest_hz);
+    let rates = loaded.iter().filter_map(rate_hz).chain(asked.sample_rate_hz);
+    let preprocessing = PreprocessOptions {
+        sample_rate_hz: asked.sample_rate_hz,
+        max_gap_s: asked.max_gap_s,
+        ..PreprocessOptions::first_look(rates.fold(f64::INFINITY, f64::min))
+    };
     let instrument = Instrument::default();
     let pipeline =
         Pipeline { joints: joints.clone(), preprocessing: &preprocessing, instrument: &instrument };

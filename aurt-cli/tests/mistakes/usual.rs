@@ -220,7 +220,7 @@ pub const MISTAKES: &[Mistake] = &[
     }),
 ];
 
-/// What tells a mistake, with more words.
+/// A mistake that an answer has to tell with more words.
 fn with(made: Made, words: &[&str]) -> Made {
     let (detail, mut cures) = made?;
     cures.iter_mut().for_each(|cure| cure.extend(words.iter().map(|word| (*word).to_owned())));

@@ -15,6 +15,7 @@ use crate::{
 };
 use aurt_plugins::Trust;
 use rayon::prelude::*;
+use serde_json::Value;
 
 use super::{FAILED, Place, Shard, Source, UNFIT, VERDICT, scores::reference_folder, variants::Variant};
 
@@ -95,11 +96,12 @@ impl VariantCase {
         Variant::ALL.map(of).into()
     }
 
-    fn prove(&self, case: &Path, options: &Options) -> Result<(), Failure> {
+    /// Diagnoses the variant of a case, whose verdict is in the folder `diagnosed`.
+    fn prove(&self, case: &Path, diagnosed: &Path, options: &Options) -> Result<(), Failure> {
         if !is_done(&self.verdict) {
             let folder = self.verdict.parent().unwrap_or(&self.verdict);
             fs::create_dir_all(folder).map_err(|source| Failure::write(folder.to_owned(), source))?;
-            match self.variant.files(case)? {
+            match self.variant.files(case, band_hz(diagnosed))? {
                 Ok(files) => {
                     OutputFolder::nested("--out", &self.files)?.write(&files)?;
                     diagnose(&self.files, &self.verdict, &[], options)?;
@@ -110,6 +112,12 @@ impl VariantCase {
         }
         forget(&self.files, options)
     }
+}
+
+/// The band of a verdict, Hz; `None` of a program that states none.
+fn band_hz(diagnosed: &Path) -> Option<f64> {
+    let verdict: Value = serde_json::from_slice(&fs::read(diagnosed.join(VERDICT)).ok()?).ok()?;
+    verdict["settings"]["f_dyn_hz"].as_f64()
 }
 
 fn prove_reference(source: &dyn Source, name: &str, place: &Place, options: &Options) -> Result<(), Failure> {
@@ -153,7 +161,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
     for (out, arguments) in again.iter().filter(|(out, _)| !is_done(out)) {
         diagnose(&folder, out, arguments, options)?;
     }
-    varied.iter().try_for_each(|v| v.prove(&folder, options))?;
+    varied.iter().try_for_each(|v| v.prove(&folder, &verdict, options))?;
     forget(&folder, options)
 }
 

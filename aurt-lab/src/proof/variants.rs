@@ -9,9 +9,9 @@ use crate::product::Failure;
 /// A case in which the robot, and what is concealed in it, are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// `f_dyn_hz` is half of what it was.
+    /// Half the band that the diagnosis took, asked for by `[diagnosis] f_dyn_hz`.
     FDynHalved,
-    /// `f_dyn_hz` is twice what it was.
+    /// Twice that band.
     FDynDoubled,
     /// The recordings of each role are listed in the opposite order.
     OtherOrder,
@@ -64,7 +64,8 @@ impl Variant {
         matches!(self, Self::FirstHalf | Self::SecondHalf)
     }
 
-    pub fn files(self, case: &Path) -> Result<Result<NamedFiles, Unfit>, Failure> {
+    /// The files of a case whose verdict was given in a band, if it states one.
+    pub fn files(self, case: &Path, band_hz: Option<f64>) -> Result<Result<NamedFiles, Unfit>, Failure> {
         let mut files = read(case)?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let Some(experiment) = files.iter_mut().find(|(name, _)| name == EXPERIMENT) else {
@@ -76,7 +77,7 @@ impl Variant {
         let rates =
             files.iter().filter(|(name, _)| is_recording(name)).map(|(_, bytes)| rate_hz(&text(bytes)));
         let rate_hz = rates.fold(f64::INFINITY, f64::min);
-        if let Err(reason) = self.edit(&mut document, rate_hz) {
+        if let Err(reason) = self.edit(&mut document, rate_hz, band_hz) {
             return Ok(Err(reason));
         }
         for (name, bytes) in &mut files {
@@ -91,7 +92,7 @@ impl Variant {
     }
 
     /// Edits a case's experiment, whose recordings have at least `rate_hz` rows per second.
-    fn edit(self, document: &mut DocumentMut, rate_hz: f64) -> Result<(), Unfit> {
+    fn edit(self, document: &mut DocumentMut, rate_hz: f64, band_hz: Option<f64>) -> Result<(), Unfit> {
         let has_drive = document.contains_key("drive");
         let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else {
             return Err("its experiment lists no recordings");
@@ -107,19 +108,19 @@ impl Variant {
             }
             Self::FDynHalved | Self::FDynDoubled | Self::HalfRate => {}
         }
-        let preprocess = document.entry("preprocess").or_insert_with(table);
-        let key = preprocess.get("f_dyn_hz");
-        let whole = key.and_then(Item::as_integer).map(|whole| whole as f64);
-        let f_dyn_hz = key.and_then(Item::as_float).or(whole).unwrap_or(F_DYN_HZ);
-        let (factor, rows) = match self {
-            Self::FDynHalved => (0.5, 1.0),
-            Self::FDynDoubled => (2.0, 1.0),
-            _ => (1.0, 0.5),
-        };
-        if rows * rate_hz < LEAST_RATE * factor * f_dyn_hz {
-            return Err("its rows are too few a second");
+        let few = "its rows are too few a second";
+        if self == Self::HalfRate {
+            let key = document.get("preprocess").and_then(|preprocess| preprocess.get("f_dyn_hz"));
+            let whole = key.and_then(Item::as_integer).map(|whole| whole as f64);
+            let f_dyn_hz = key.and_then(Item::as_float).or(whole).unwrap_or(F_DYN_HZ);
+            return if 0.5 * rate_hz < LEAST_RATE * f_dyn_hz { Err(few) } else { Ok(()) };
         }
-        preprocess["f_dyn_hz"] = value(factor * f_dyn_hz);
+        let asked_hz =
+            band_hz.ok_or("its verdict states no band")? * if self == Self::FDynHalved { 0.5 } else { 2.0 };
+        if rate_hz < LEAST_RATE * asked_hz {
+            return Err(few);
+        }
+        document.entry("diagnosis").or_insert_with(table)["f_dyn_hz"] = value(asked_hz);
         Ok(())
     }
 }
@@ -236,14 +237,14 @@ fn halve(recordings: &mut dyn TableLike, half: usize) -> Result<(), Unfit> {
 mod tests {
     use aurt_experiment::Experiment;
     use aurt_files::output::write_folder;
-    use aurt_plugins::Registry;
+    use aurt_plugins::{Node, Registry};
     use aurt_recording::{ReadOptions, Recording, read_recording};
 
     use super::*;
     use crate::case::{Plan, World};
 
-    /// `f_dyn_hz`, and the recordings of each role as an experiment reads them.
-    fn read_case(folder: &Path) -> (f64, [Vec<Recording>; 3]) {
+    /// The band that is asked for, and the recordings of each role as an experiment reads them.
+    fn read_case(folder: &Path) -> (Option<f64>, [Vec<Recording>; 3]) {
         let mut registry = Registry::linked().unwrap();
         let experiment = Experiment::read(folder.join(EXPERIMENT), &mut registry).unwrap();
         let parts = experiment.recordings;
@@ -251,7 +252,8 @@ mod tests {
             let options = |recorded| ReadOptions { recorded, ..ReadOptions::default() };
             list.into_iter().map(|r| read_recording(&r.file, &options(r.recorded)).unwrap()).collect()
         });
-        (experiment.preprocess.f_dyn_hz, lists)
+        let asked = experiment.diagnosis.iter().flat_map(Node::entries).find(|entry| entry.key == "f_dyn_hz");
+        (asked.and_then(|entry| entry.value.as_number()), lists)
     }
 
     /// Whether two lists have the same motions and measurements, row for row of every `step`.
@@ -285,19 +287,20 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let case = folder.path().join("case");
         write_folder(&case, &made.files).unwrap();
-        let (f_dyn_hz, whole) = read_case(&case);
+        let band_hz = Some(4.0);
+        let (_, whole) = read_case(&case);
         assert_eq!(whole.each_ref().map(Vec::len), [3, 0, 2]);
         for variant in Variant::ALL {
-            let files = variant.files(&case).unwrap().unwrap();
+            let files = variant.files(&case, band_hz).unwrap().unwrap();
             let own = folder.path().join(variant.name());
             write_folder(&own, &files).unwrap();
-            let (own_f_dyn_hz, lists) = read_case(&own);
-            let factor = match variant {
-                Variant::FDynHalved => 0.5,
-                Variant::FDynDoubled => 2.0,
-                _ => 1.0,
+            let (asked_hz, lists) = read_case(&own);
+            let expected_hz = match variant {
+                Variant::FDynHalved => Some(2.0),
+                Variant::FDynDoubled => Some(8.0),
+                _ => None,
             };
-            assert_eq!(own_f_dyn_hz, factor * f_dyn_hz, "{variant:?}");
+            assert_eq!(asked_hz, expected_hz, "{variant:?}");
             match variant {
                 Variant::FDynHalved | Variant::FDynDoubled | Variant::Degrees => {
                     assert_same(&lists, &whole, 1)
@@ -314,11 +317,12 @@ mod tests {
             }
         }
         // 25 Hz are a tenth of the rate.
+        let is_fit = |variant: Variant, band_hz| variant.files(&case, band_hz).unwrap().is_ok();
+        assert!(is_fit(Variant::FDynHalved, Some(20.0)) && !is_fit(Variant::FDynDoubled, Some(20.0)));
+        assert!(!is_fit(Variant::FDynHalved, None));
         let text = fs::read_to_string(case.join(EXPERIMENT)).unwrap();
         fs::write(case.join(EXPERIMENT), text.replace("f_dyn_hz = 10.0", "f_dyn_hz = 20")).unwrap();
-        assert!(Variant::FDynHalved.files(&case).unwrap().is_ok());
-        assert!(Variant::FDynDoubled.files(&case).unwrap().is_err());
-        assert!(Variant::HalfRate.files(&case).unwrap().is_err());
+        assert!(!is_fit(Variant::HalfRate, band_hz));
     }
 
     #[test]

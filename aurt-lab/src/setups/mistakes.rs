@@ -1,6 +1,6 @@
 //! Usual mistakes, made in setups: the laboratory draws their joints and sizes, tests of `aurt check` state them.
 //!
-//! They are made in files alone, and told by words that people read: what the product tries to undo is no source of either.
+//! They are made in files alone, and told by words that people read: neither is taken from what the product tries to undo.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -20,7 +20,7 @@ pub struct Kind {
     pub cures: Cures,
 }
 
-/// What tells a mistake with its cure: all words of one of these.
+/// Cures of a mistake: an answer tells it with all words of one of these.
 pub type Cures = Vec<Vec<String>>;
 /// The detail of a mistake that was made, and what tells it; nothing for a setup that cannot have it.
 pub type Made = Option<(String, Cures)>;
@@ -302,7 +302,7 @@ impl Setup {
         detailed("measurements", &[&["columns"]])
     }
 
-    /// The column of one joint in the place of another's.
+    /// The column of one joint instead of another's.
     pub fn copied(&mut self, of: Columns, [a, b]: [usize; 2]) -> Made {
         self.each(|log| {
             let family = if of == Positions { &mut log.position_rad } else { &mut log.measurement };

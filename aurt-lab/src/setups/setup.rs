@@ -41,7 +41,7 @@ pub struct Units {
 pub struct Log {
     pub time_s: Vec<f64>,
     pub position_rad: Vec<Vec<f64>>,
-    /// Of no joint where velocities are not logged.
+    /// Speeds of each joint; empty where they are not logged.
     pub velocity_rad_s: Vec<Vec<f64>>,
     pub measurement: Vec<Vec<f64>>,
     pub units: Units,

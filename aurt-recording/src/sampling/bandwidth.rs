@@ -14,6 +14,7 @@ const RIGID_HZ: f64 = 10.0;
 /// Largest share of the shortest recording that the filters' memory, 1.7 / f_dyn, may have: rows so near to its ends, to gaps and to
 /// reversals that are left out do not count.
 const MEMORY_SHARE: f64 = 1.0 / 50.0;
+/// That memory in periods of f_dyn (docs/mathematics.md, ends and gaps).
 const MEMORY_PERIODS: f64 = 1.7;
 /// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
 const NOISE_SHARE: f64 = 1e-3;
@@ -22,8 +23,8 @@ const NOISE_SHARE: f64 = 1e-3;
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
 /// one of at least 5 f and 85 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
-/// below it has more than 0.1 % of the power of the accelerations, but not below f. The position filter, at
-/// 5 f_dyn, lies below half of each sampling rate.
+/// below it has more than 0.1 % of the power of the accelerations, but not below f. The position filter, at 5 f_dyn, lies below half
+/// of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
 /// weight of its mean power, whatever its length and rate.

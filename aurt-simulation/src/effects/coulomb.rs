@@ -3,7 +3,7 @@ use super::declaring::*;
 per_joint! {
     /// Coulomb friction of its own level; the experiment has none on these joints.
     Coulomb {
-        /// Level in the place of the robot's own, Nm.
+        /// Level instead of the robot's own, Nm.
         coulomb_nm: [0.0, 1e4],
     }
     "coulomb", F, Structural, Few, "dry friction that the experiment leaves out";

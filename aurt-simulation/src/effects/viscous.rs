@@ -4,7 +4,7 @@ use crate::plant::LinearViscous;
 per_joint! {
     /// Viscous friction of its own slope; the experiment has none on these joints.
     Viscous {
-        /// Slope in the place of the robot's own, Nm s/rad.
+        /// Slope instead of the robot's own, Nm s/rad.
         viscous_nm_s: [0.0, 1e4],
     }
     "viscous", V, Structural, Few, "viscous friction that the experiment leaves out";

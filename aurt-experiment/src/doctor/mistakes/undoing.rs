@@ -101,7 +101,7 @@ impl Reading {
         }
     }
 
-    /// What positions and speeds are multiplied with, whatever the joint.
+    /// Factor of the positions and speeds of every joint.
     fn angle(&self) -> f64 {
         match self {
             Self::Degrees => 1_f64.to_radians(),
