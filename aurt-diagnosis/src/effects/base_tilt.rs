@@ -42,14 +42,17 @@ pub static EFFECT: Effect = Effect {
     is_whole_arm: true,
     is_essential: |coefficient| coefficient < 2,
     reads_model: true,
+    generalises: &[&EFFECT],
     propose,
     ..Effect::BASE
 };
 
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
-    let term = json!({
-        "model": "base_tilt", "inertial_columns": columns, "inertial_values": values, "first_axis": true,
-    });
-    vec![Proposal::term((0..context.joints).collect(), term)]
+    let term = |first_axis: bool| {
+        json!({
+            "model": "base_tilt", "inertial_columns": columns, "inertial_values": values, "first_axis": first_axis,
+        })
+    };
+    [false, true].map(|first_axis| Proposal::term((0..context.joints).collect(), term(first_axis))).to_vec()
 }

@@ -39,9 +39,6 @@ const TWO_SIDED_1: f64 = 2.575_829_303_548_901;
 /// stretches of time differ by.
 pub(crate) const WORSE: f64 = 0.05;
 
-/// Of the joints that a whole-arm effect concerns, fewer than this share may be predicted worse.
-const WORSE_JOINTS: f64 = 1.0 / 3.0;
-
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
 const CONCERNED: f64 = 0.08;
 
@@ -63,7 +60,7 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     loop {
         let trial = Trial::new(question, investigation, reach_m);
         let most = trial.largest_by_chance(question.selection.level);
-        let mut fails = trial.all_fails(question, most);
+        let mut fails = trial.all_fails(most);
         let Some(worst) = trial.worst(&fails, most) else {
             investigation.stability = (0..fails.len()).map(|i| trial.stability(i)).collect();
             break;
@@ -119,10 +116,6 @@ struct Trial<'a> {
     /// Mean squares over fitted rows, `[kind][joint]`: with all, and without one of it.
     errors: [Vec<f64>; 2],
     errors_without: Vec<[Vec<f64>; 2]>,
-    /// Sums of squares over the rows that confirm, by joint: without any, with all, without one of it.
-    confirmed_baseline: Vec<f64>,
-    confirmed: Vec<f64>,
-    confirmed_without: Vec<Vec<f64>>,
 }
 
 impl<'a> Trial<'a> {
@@ -152,19 +145,10 @@ impl<'a> Trial<'a> {
         let joints = groups.iter().zip(chosen).map(|(group, one)| {
             if group.effect.is_whole_arm { concerned(one) } else { group.joints.clone() }
         });
-        let confirming = |switches: &[Switch], coefficients: &[f64]| {
-            confirming_errors(investigation, switches, coefficients)
-        };
         Self {
             joints: joints.collect(),
             errors: fit.squared_errors.clone(),
             errors_without: without.iter().map(|(_, fit)| fit.squared_errors.clone()).collect(),
-            confirmed_baseline: confirming(
-                &investigation.base_switches,
-                &investigation.baseline.coefficients,
-            ),
-            confirmed: confirming(&whole.switches, &fit.coefficients),
-            confirmed_without: without.iter().map(|(s, fit)| confirming(s, &fit.coefficients)).collect(),
             without: without.into_iter().map(|(switches, fit)| (switches, fit.coefficients)).collect(),
             least: shares.iter().map(|s| question.selection.least_log_error(s * rate_hz)).collect(),
             investigation,
@@ -176,25 +160,12 @@ impl<'a> Trial<'a> {
     }
 
     /// The tests that each of it fails.
-    fn all_fails(&self, question: &Question<'_>, most: f64) -> Vec<Vec<String>> {
+    fn all_fails(&self, most: f64) -> Vec<Vec<String>> {
         let mut fails: Vec<Vec<String>> = (0..self.groups.len()).map(|i| self.fails(i)).collect();
         for (i, fails) in fails.iter_mut().enumerate() {
             if let Some(p) = self.by_chance(i).filter(|p| *p > most) {
                 fails.push(format!(
                     "chance alone makes such a finding with a probability of {p:.2}, too large for its rank"
-                ));
-            }
-        }
-        for (joint, times) in self.worse_in_all() {
-            let on_it = |i: &usize| self.groups[*i].joints == [joint] && !self.groups[*i].is_known;
-            let culprits: Vec<usize> = (0..self.groups.len()).filter(on_it).collect();
-            if culprits.iter().any(|i| !fails[*i].is_empty()) {
-                continue;
-            }
-            for i in culprits {
-                fails[i].push(format!(
-                    "all selected effects together multiply the held-out error of {} by {times:.2}",
-                    question.names().joint(joint)
                 ));
             }
         }
@@ -248,7 +219,6 @@ impl<'a> Trial<'a> {
                 100.0 * (1.0 - (-least).exp())
             ));
         }
-        fails.extend(self.contradicted(i));
         fails
     }
 
@@ -285,29 +255,6 @@ impl<'a> Trial<'a> {
         if size > 0.0 { size / deviation.max(f64::MIN_POSITIVE) } else { 0.0 }
     }
 
-    /// What the rows that confirm say against one of it.
-    fn contradicted(&self, i: usize) -> Option<String> {
-        let grows = |j: &usize| {
-            let (with, without) = (self.confirmed[*j], self.confirmed_without[i][*j]);
-            without > 0.0 && with > (1.0 + WORSE).powi(2) * without
-        };
-        let judged = self.joints[i].iter().filter(|j| self.confirmed_without[i][**j] > 0.0).count();
-        let worse: Vec<usize> = self.joints[i].iter().copied().filter(|j| grows(j)).collect();
-        let most = if self.joints[i].len() > 2 { WORSE_JOINTS * judged as f64 } else { 0.0 };
-        (!worse.is_empty() && worse.len() as f64 >= most).then(|| {
-            let names = self.investigation.model.names();
-            format!("held-out data are predicted better without it on {}", names.joint_list(&worse))
-        })
-    }
-
-    /// Joints that confirm nothing of all that was selected, with the factor by which their error grows.
-    fn worse_in_all(&self) -> Vec<(usize, f64)> {
-        let both = self.confirmed_baseline.iter().zip(&self.confirmed).enumerate();
-        both.filter(|(_, (before, after))| **before > 0.0 && **after > (1.0 + WORSE).powi(2) * **before)
-            .map(|(j, (before, after))| (j, (after / before).sqrt()))
-            .collect()
-    }
-
     /// Share of the blocks of time on which it lowers the squared error of its joints.
     fn stability(&self, i: usize) -> f64 {
         let investigation = self.investigation;
@@ -342,18 +289,6 @@ impl<'a> Trial<'a> {
         }
         if judged > 0.0 { better / judged } else { 0.0 }
     }
-}
-
-/// Sums of squares over the rows that confirm, joint by joint.
-fn confirming_errors(investigation: &Investigation, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
-    let mut sums = vec![0.0; investigation.layout.rows.len()];
-    for rows in investigation.confirm.to_judge().iter().filter(|r| r.rows() > 0) {
-        let left = residuals(rows, &investigation.layout, switches, coefficients);
-        for (sum, series) in sums.iter_mut().zip(&left) {
-            *sum += series.iter().map(|v| v * v).sum::<f64>();
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

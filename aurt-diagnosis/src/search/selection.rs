@@ -241,8 +241,8 @@ impl Scoring<'_> {
         }
     }
 
-    /// Replaces two effects on the same joints by one of as many coefficients that does as well: more Coulomb friction and
-    /// more viscous friction are friction at another level.
+    /// Replaces two effects on the same joints by one of as many coefficients that does as well, and better than either of the two
+    /// alone: more Coulomb friction and more viscous friction are friction at another level.
     fn join(&self, chosen: &mut Vec<usize>) {
         let alike = |a: &Group, b: &Group| a.joints == b.joints && a.target_only() == b.target_only();
         let mut pairs = (0..chosen.len()).flat_map(|i| (i + 1..chosen.len()).map(move |k| (i, k)));
@@ -260,8 +260,10 @@ impl Scoring<'_> {
                 let own = &self.groups[g];
                 own.is_named() && alike(own, one) && own.switches.len() == apart.len() && !chosen.contains(&g)
             };
+            let alone = [one, other].map(|g| self.score(&fit, before, &self.with(&fit, &g.switches)));
+            let needs_both = alone[0].max(alone[1]) + self.options.score;
             let ranked = self.rank(&fit, |g| both(g) && !self.is_repeated(g, &rest));
-            let best = ranked.first().filter(|(_, score)| *score >= near)?.0;
+            let best = ranked.first().filter(|(_, score)| *score >= near && *score > needs_both)?.0;
             Some(rest.into_iter().chain([best]).collect())
         });
         if let Some(joined) = joined {

@@ -204,6 +204,18 @@ fn two_changes_of_friction_are_one() {
 }
 
 #[test]
+fn two_effects_are_not_joined_by_what_one_of_them_does_alone() {
+    // The second effect brings a fiftieth of the score, the second coefficient of the law nothing.
+    let mut rows = Rows::new(vec![recording(Role::Calibration, 8, &[1.0, 3.0, 0.0, 0.04])]);
+    let mut law = group("coulomb_asymmetry", 1, false);
+    law.switches.push(switch(2, false));
+    let groups = [group("coulomb", 1, false), law, group("viscous", 3, false)];
+    let mut found: Vec<usize> = rows.select(&groups).chosen.iter().map(|c| c.group).collect();
+    found.sort_unstable();
+    assert_eq!(found, [0, 2]);
+}
+
+#[test]
 fn a_simpler_law_wins_a_tie_that_the_blocks_leave_open() {
     // The second column brings a fiftieth of the score, in every block, or nothing.
     let chosen = |second: f64| {
