@@ -29,8 +29,8 @@ use serde_json::json;
 
 use crate::vocabulary::{Context, Effect, Family, Kind, Parameter, Proposal, Unit};
 
-/// The columns beside roll and pitch are of a vertical first axis, which a tilt alone loads; without roll and pitch they
-/// are no tilt.
+/// Proposed twice: with the first link's moments as they were fitted, and with free ones, which a vertical first axis hides and a tilt
+/// alone loads. Their columns without roll and pitch are no tilt.
 pub static EFFECT: Effect = Effect {
     id: "base_tilt",
     family: Family::I,
