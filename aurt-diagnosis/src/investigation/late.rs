@@ -62,9 +62,9 @@ impl Delay {
         let scan = |target_only| Scan::new(question, investigation, target_only).delay();
         let in_all = problem.has_reference() || !problem.has_target();
         let found = [in_all.then(|| scan(false)), problem.has_target().then(|| scan(true))];
-        let found = found.into_iter().flatten().flatten().max_by(|a, b| a.score.total_cmp(&b.score));
         let is_favoured = |delay: &Self| investigation.by_chance(question, delay).is_none_or(|p| p <= EVEN);
-        Ok(found.filter(is_favoured))
+        let favoured = found.into_iter().flatten().flatten().filter(is_favoured);
+        Ok(favoured.max_by(|a, b| a.score.total_cmp(&b.score)))
     }
 
     /// The recordings with the delay undone.
