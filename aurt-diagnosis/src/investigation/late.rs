@@ -12,9 +12,6 @@ use crate::request::{Question, QuestionedRecording};
 
 pub use crate::investigation::delay_scan::Delay;
 
-/// Rows that nothing was fitted to speak against what chance alone makes them favour as much with a larger probability.
-const EVEN: f64 = 0.5;
-
 /// A delay that was undone, and the investigation that found it.
 #[derive(Debug)]
 pub struct Late {
@@ -24,18 +21,6 @@ pub struct Late {
 }
 
 impl Investigation {
-    /// The probability that rows which nothing was fitted to favour the column of a common delay as much by chance; `None` where
-    /// these are too few, or the model absorbs it.
-    fn by_chance(&self, question: &Question<'_>, delay: &Delay) -> Option<f64> {
-        let joints = self.layout.rows.len();
-        let delay = self.groups.iter().find(|g| {
-            is_delay(self, g) && g.joints.len() == joints && g.target_only() == delay.target_only
-        })?;
-        let chosen = self.selection.chosen.iter().map(|c| &self.groups[c.group]);
-        let switches = self.switches_of(chosen.filter(|g| !is_delay(self, g)).chain([delay]));
-        self.judge(&question.selection).p_confirm(&self.confirm, &switches, delay, 1.0 / question.f_dyn_hz)
-    }
-
     /// Whether a delay is among what was selected.
     pub(crate) fn is_late(&self) -> bool {
         self.selection.chosen.iter().any(|c| is_delay(self, &self.groups[c.group]))
@@ -62,9 +47,7 @@ impl Delay {
         let scan = |target_only| Scan::new(question, investigation, target_only).delay();
         let in_all = problem.has_reference() || !problem.has_target();
         let found = [in_all.then(|| scan(false)), problem.has_target().then(|| scan(true))];
-        let is_favoured = |delay: &Self| investigation.by_chance(question, delay).is_none_or(|p| p <= EVEN);
-        let favoured = found.into_iter().flatten().flatten().filter(is_favoured);
-        Ok(favoured.max_by(|a, b| a.score.total_cmp(&b.score)))
+        Ok(found.into_iter().flatten().flatten().max_by(|a, b| a.score.total_cmp(&b.score)))
     }
 
     /// The recordings with the delay undone.

@@ -48,7 +48,7 @@ use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
-use crate::request::{Question, QuestionedRecording, SelectionOptions, length};
+use crate::request::{Question, QuestionedRecording, length};
 use crate::search::selection::Selection;
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
@@ -140,23 +140,13 @@ impl Investigation {
     /// Judges what was selected on the rows that confirm.
     pub(crate) fn confirm_chosen(&mut self, question: &Question<'_>) {
         let switches = self.switches();
-        let judge = self.judge(&question.selection);
+        let Self { selection, confirm, groups, layout, partition, problem, rows, floor, .. } = self;
+        let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
         // Four independent samples of white noise behind the parallel filter.
         let shortest_s = 1.0 / question.f_dyn_hz;
-        let confirmed: Vec<Option<f64>> = self
-            .selection
-            .chosen
-            .iter()
-            .map(|c| judge.p_confirm(&self.confirm, &switches, &self.groups[c.group], shortest_s))
-            .collect();
-        for (chosen, p) in self.selection.chosen.iter_mut().zip(confirmed) {
-            chosen.p_confirm = p;
+        for chosen in &mut selection.chosen {
+            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group], shortest_s);
         }
-    }
-
-    fn judge<'a>(&'a self, options: &'a SelectionOptions) -> Judge<'a> {
-        let Self { groups, layout, partition, problem, rows, floor, .. } = self;
-        Judge { problem, groups, rows, partition, layout, floor, options }
     }
 
     /// The baseline's coefficients and those of some groups.
