@@ -50,7 +50,7 @@ impl Group {
         self.switches.len() + self.shapes
     }
 
-    /// True for another effect that is a simpler law, of fewer freedoms on this model: this one has to beat it.
+    /// True for a simpler law, or form of the same effect, of fewer freedoms on this model: this one has to beat it.
     pub(crate) fn generalises(&self, other: &Self) -> bool {
         self.effect.generalises.contains(&other.effect)
             && other.freedoms() < self.freedoms()

@@ -1,8 +1,8 @@
 //! What was selected, put to the test before it is said.
 //!
 //! Selection asks what describes the recordings best. What it takes may still have parameters that no machine has, or be
-//! within chance of nothing, or predict rows that it has not seen worse than the model without it. What fails one of
-//! these tests is an indication: it leaves the model, and is listed apart with what it fails.
+//! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
+//! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
 use std::collections::BTreeMap;
 
@@ -34,10 +34,6 @@ pub struct Indicated {
 /// Coefficients have to be farther from zero than one case in a hundred of nothing, in deviations of which the jackknife over
 /// blocks of time knows as much as Student's t says; `p_null` is what the search adds to chance.
 const TWO_SIDED_1: f64 = 2.575_829_303_548_901;
-
-/// A joint is predicted worse if its held-out error (root mean square) grows by this share; less is within what two
-/// stretches of time differ by.
-pub(crate) const WORSE: f64 = 0.05;
 
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
 const CONCERNED: f64 = 0.08;

@@ -9,7 +9,7 @@ use crate::effects::joint_elasticity;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
-use crate::investigation::{Fitted, Investigation, WORSE};
+use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, gears_anew, undone};
@@ -35,6 +35,10 @@ pub struct BeforeGears {
 /// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns. The amplitude's error falls to a fifth
 /// or less with each (0.77, 0.91, 0.938, 0.940 in the slowest case of `clean`, seed 90001), and is below its deviation after the third.
 const TURNS: usize = 4;
+
+/// A joint is predicted worse if its held-out error (root mean square) grows by this share; less is within what two
+/// stretches of time differ by.
+pub(crate) const WORSE: f64 = 0.05;
 
 /// Looks for gears of some joints in what a model leaves, and fits the model again without their torque; `of_all` says whether it is
 /// to be fitted to all recordings.

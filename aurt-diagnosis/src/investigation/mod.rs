@@ -17,9 +17,10 @@ mod shifted;
 mod structure;
 
 pub use earned::Indicated;
-pub(crate) use earned::{WORSE, concerned, earn};
+pub(crate) use earned::{concerned, earn};
 pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
+pub(crate) use gears::WORSE;
 pub use late::{Delay, Late};
 pub(crate) use repairs::JudgedFaults;
 use reselected::reselect;

@@ -255,15 +255,15 @@ impl Scoring<'_> {
             let fit = self.fit(&rest);
             let apart: Vec<Switch> = one.switches.iter().chain(&other.switches).copied().collect();
             let before = &fit.errors.all;
-            let near = self.near(self.score(&fit, before, &self.with(&fit, &apart)));
+            let score = |switches: &[Switch]| self.score(&fit, before, &self.with(&fit, switches));
+            let alone = score(&one.switches).max(score(&other.switches));
+            let least = self.near(score(&apart)).max(alone + self.options.score);
             let both = |g: usize| {
                 let own = &self.groups[g];
                 own.is_named() && alike(own, one) && own.switches.len() == apart.len() && !chosen.contains(&g)
             };
-            let alone = [one, other].map(|g| self.score(&fit, before, &self.with(&fit, &g.switches)));
-            let needs_both = alone[0].max(alone[1]) + self.options.score;
             let ranked = self.rank(&fit, |g| both(g) && !self.is_repeated(g, &rest));
-            let best = ranked.first().filter(|(_, score)| *score >= near && *score > needs_both)?.0;
+            let best = ranked.first().filter(|(_, score)| *score >= least)?.0;
             Some(rest.into_iter().chain([best]).collect())
         });
         if let Some(joined) = joined {

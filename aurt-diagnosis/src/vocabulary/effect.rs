@@ -98,8 +98,8 @@ pub struct Effect {
     pub reads_model: bool,
     /// Whether its proposals follow from the baseline's residual, and change with it.
     pub reads_residual: bool,
-    /// Simpler laws that it contains or that are hard to tell from it: they are preferred unless it describes held-out rows better by
-    /// the least score and the least share of an effect.
+    /// Simpler laws that it contains or that are hard to tell from it, itself where it has simpler forms: they are preferred unless it
+    /// describes held-out rows better by the least score and the least share of an effect.
     pub generalises: &'static [&'static Effect],
     /// Effects that are the same force in other coordinates; one of two declares it.
     pub same_force: &'static [&'static Effect],
