@@ -236,7 +236,6 @@ impl Diagnoser {
             calibration: *calibration,
             selection: SelectionOptions { f_dyn_hz: Some(f_dyn_hz), ..self.selection },
             without: &self.without,
-            structure: None,
         };
         let investigation =
             investigate(&question, registry, |what| progress.step(what)).map_err(Error::from)?;

@@ -24,7 +24,7 @@ pub(crate) fn groups(
     for (index, candidate) in candidates.iter().enumerate() {
         for target_only in [false, true] {
             let wanted = match candidate.proposal.presence {
-                Presence::Known | Presence::Structure => !target_only && reference,
+                Presence::Structure => !target_only && reference,
                 Presence::Change => target_only && target,
                 Presence::Any if target_only => target,
                 Presence::Any => reference,
@@ -54,7 +54,6 @@ pub(crate) fn groups(
                 effect: candidate.effect,
                 joints: candidate.proposal.joints.clone(),
                 candidate: index,
-                is_known: candidate.proposal.presence == Presence::Known,
                 accessory: essential.iter().zip(&switches).filter(|(e, _)| !**e).map(|(_, s)| *s).collect(),
                 switches,
                 shapes: candidate.proposal.shapes.len(),

@@ -30,7 +30,7 @@ pub fn residuals(
 }
 
 /// Lags over which a residual's memory is followed, in rows.
-const LONGEST_MEMORY: usize = 400;
+pub(crate) const LONGEST_MEMORY: usize = 400;
 
 /// Share of independent rows of each joint's residual over what is not for validation.
 pub(crate) fn shares(

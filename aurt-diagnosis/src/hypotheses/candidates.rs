@@ -41,9 +41,8 @@ pub(crate) fn candidates(
     let mut proposed: Vec<(&'static Effect, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
     let considered = effects::ALL.into_iter().filter(|e| question.considers(e));
     let of_effects = considered.flat_map(|e| (e.propose)(context).into_iter().map(move |p| (e, p)));
-    let known = question.structure.into_iter().flatten().map(|k| (k.effect, k.proposal.clone()));
     let elsewhere = |e: &Effect, p: &Proposal| e.means != Means::Columns && simulated.contains(&p.joints[0]);
-    for (effect, proposal) in of_effects.chain(known).filter(|(e, p)| !elsewhere(e, p)) {
+    for (effect, proposal) in of_effects.filter(|(e, p)| !elsewhere(e, p)) {
         let term = match &proposal.addition {
             Addition::Term(configuration) => {
                 terms.push(build_term(registry, effect, configuration)?);

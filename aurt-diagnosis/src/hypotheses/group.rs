@@ -24,8 +24,6 @@ pub struct Group {
     pub joints: Vec<usize>,
     /// Index of the candidate that it comes from.
     pub candidate: usize,
-    /// True for an effect that the calibration recordings alone show: it stays in the model.
-    pub is_known: bool,
     /// Its coefficients.
     pub switches: Vec<Switch>,
     /// Those of them that are not what the effect is named for.

@@ -111,7 +111,6 @@ fn question<'a>(model: &'a RobotModel, recordings: &'a [QuestionedRecording]) ->
         calibration: CalibrationOptions::default(),
         selection: SelectionOptions::default(),
         without: &[],
-        structure: None,
     }
 }
 

@@ -5,7 +5,7 @@ use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::agreement::agreement;
-use crate::investigation::shifted::shift;
+use crate::investigation::shifted::{confirming_errors, shift};
 use crate::recordings::rows::{Instrument, mean_rate_hz};
 use crate::request::Question;
 use crate::vocabulary::Addition;
@@ -87,6 +87,8 @@ pub(super) struct Scan {
     floor: Vec<f64>,
     /// ½ n_eff of each joint.
     effective: Vec<f64>,
+    /// What rows that nothing was fitted to say for the lowest point, in nats, joint by joint.
+    held_out: Vec<f64>,
     /// Least score of a delay, and its least size, s.
     least: f64,
     least_s: f64,
@@ -114,13 +116,14 @@ impl Scan {
         let used = used_columns(investigation, &switches);
         let mut trial = problem.total().clone();
         let rows = |j: usize| (problem.total()[0][j].rows + problem.total()[1][j].rows).max(1.0);
-        let mut at = |delay_s: f64| -> Vec<f64> {
+        let mut fitted = |delay_s: f64| -> (Vec<f64>, Vec<f64>) {
             shift(question, investigation, &used, target_only, delay_s, &mut trial);
             let fit = problem.part_fit(&trial, &ordered, free, &weights);
             let beta = problem.extend(&trial, &fit, (&ordered, free), &[], &weights);
             let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
-            (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
+            ((0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect(), beta)
         };
+        let mut at = |delay_s: f64| fitted(delay_s).0;
         let mut scan = Self {
             target_only,
             step_s,
@@ -129,6 +132,7 @@ impl Scan {
             fine: None,
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
+            held_out: vec![0.0; problem.joints()],
             least: question.selection.score,
             least_s: LEAST_OF_SAMPLE / slowest_hz,
             reduction: question.selection.least_log_error(mean_share * mean_rate_hz(&investigation.rows)),
@@ -145,6 +149,16 @@ impl Scan {
                 .size()
                 .map(|[delay_s, _]| delay_s)
                 .filter(|d| (d - center_s).abs() > 0.5 * FINE * step_s);
+        }
+        if let Some([delay_s, _]) = scan.size() {
+            let mut errors = |delay_s: f64| {
+                let coefficients = fitted(delay_s).1;
+                confirming_errors(question, investigation, (&ordered, &coefficients), target_only, delay_s)
+            };
+            let gain = |([none, _], [late, independent]): (&[f64; 2], &[f64; 2])| {
+                if *none > 0.0 && *late > 0.0 { 0.5 * independent * (none / late).ln() } else { 0.0 }
+            };
+            scan.held_out = errors(0.0).iter().zip(&errors(delay_s)).map(gain).collect();
         }
         scan
     }
@@ -227,6 +241,7 @@ impl Scan {
 
     /// The delay, if it is one. A delay acts mostly at reversals, whose samples are left out, so the gain on the other rows is small
     /// even for a real one. That joints agree on it is evidence of one clock; a single joint has to gain as much as other effects must.
+    /// It has to be found in the fitted rows, and still be there with what the others say.
     pub(super) fn delay(&self) -> Option<Delay> {
         let [delay_s, std_s] = self.size()?;
         // A delay of less than half a step is seen beside the steps alone.
@@ -237,18 +252,26 @@ impl Scan {
         let gains: Vec<f64> = (0..self.effective.len())
             .map(|j| self.effective[j] * (self.log_error(none, j) - self.log_error(least, j)))
             .collect();
-        let score: f64 = gains.iter().sum();
-        let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let is_common = match &gains[..] {
-            [gain] => *gain > self.effective[0] * self.reduction,
-            // Evidence of one joint alone is that of its own lag.
-            _ => score - strongest > self.least,
-        };
+        let with_others: Vec<f64> =
+            gains.iter().zip(&self.held_out).map(|(fitted, other)| fitted + other).collect();
+        let score = self.score_of_all(&gains).min(self.score_of_all(&with_others));
         let joints = agreement(&self.of_joints())?;
         let agreed = joints.mean_s * delay_s > 0.0 && joints.is_clear();
         let delay = Delay { delay_s, std_s: std_s.max(joints.std_s), score, target_only: self.target_only };
         let clear = delay_s.abs() > self.least_s.max(CLEAR * std_s);
-        (score > self.least && is_common && clear && agreed).then_some(delay)
+        (score > self.least && clear && agreed).then_some(delay)
+    }
+
+    /// The sum of what joints gain; none where it is that of one joint.
+    fn score_of_all(&self, gains: &[f64]) -> f64 {
+        let score: f64 = gains.iter().sum();
+        let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_common = match gains {
+            [gain] => *gain > self.effective[0] * self.reduction,
+            // Evidence of one joint alone is that of its own lag.
+            _ => score - strongest > self.least,
+        };
+        if is_common { score } else { 0.0 }
     }
 
     /// The delay that each joint shows by itself, s, and its variance: the lowest point of a parabola through its mean squared errors
@@ -325,6 +348,7 @@ mod tests {
             fine: None,
             floor: vec![1.0; joints],
             effective: vec![200.0; joints],
+            held_out: vec![0.0; joints],
             least: 8.0,
             least_s: 0.0002,
             reduction: 0.05,
@@ -396,6 +420,17 @@ mod tests {
         };
         assert!(at([3.0, 3.1, 2.9, 3.2]).is_some());
         assert_eq!(at([6.0, 5.0, -1.0, 0.5]), None);
+    }
+
+    #[test]
+    fn rows_that_nothing_was_fitted_to_speak_against() {
+        let error = |k: i32| 1.0 + 0.002 * (f64::from(k) - 3.3).powi(2);
+        let mut faint = scan((-1..8).map(|k| vec![error(k); 3]).collect());
+        let score = faint.delay().unwrap().score;
+        faint.held_out = vec![1.0; 3];
+        assert_eq!(faint.delay().unwrap().score, score);
+        faint.held_out = vec![(7.9 - score) / 3.0; 3];
+        assert_eq!(faint.delay(), None);
     }
 
     #[test]

@@ -58,7 +58,11 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         let most = trial.largest_by_chance(question.selection.level);
         let mut fails = trial.all_fails(most);
         let Some(worst) = trial.worst(&fails, most) else {
-            investigation.stability = (0..fails.len()).map(|i| trial.stability(i)).collect();
+            let brings: Vec<_> =
+                (0..fails.len()).map(|i| (trial.stability(i), trial.lowers_error(i, &[0]))).collect();
+            for (chosen, (stability, in_reference)) in investigation.selection.chosen.iter_mut().zip(brings) {
+                (chosen.stability, chosen.in_reference) = (Some(stability), in_reference);
+            }
             break;
         };
         drop(trial);
@@ -174,9 +178,9 @@ impl<'a> Trial<'a> {
         largest_of_claims(&by_chance, level)
     }
 
-    /// The probability that chance alone makes one of it; none of what is known.
+    /// The probability that chance alone makes one of it.
     fn by_chance(&self, i: usize) -> Option<f64> {
-        self.investigation.selection.chosen[i].by_chance().filter(|_| !self.groups[i].is_known)
+        self.investigation.selection.chosen[i].by_chance()
     }
 
     /// The one of those that fail which leaves the selection first.
@@ -191,9 +195,6 @@ impl<'a> Trial<'a> {
     /// The tests that one of it fails by itself.
     fn fails(&self, i: usize) -> Vec<String> {
         let group = self.groups[i];
-        if group.is_known {
-            return Vec::new();
-        }
         let mut fails: Vec<String> =
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         let away = self.away_from_zero(i);
@@ -203,12 +204,7 @@ impl<'a> Trial<'a> {
             fails.push(format!("it is {away:.1} σ from zero; {blocks} blocks of time require {least:.1} σ"));
         }
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
-        let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
-        let matters = self.joints[i].iter().any(|j| {
-            let (with, without) = (sum(&self.errors, *j), sum(&self.errors_without[i], *j));
-            with < (-self.least[*j]).exp() * without
-        });
-        if !matters {
+        if !self.lowers_error(i, kinds) {
             let least = self.joints[i].iter().map(|j| self.least[*j]).fold(f64::INFINITY, f64::min);
             fails.push(format!(
                 "it reduces the squared error of no joint by {:.0} % beyond the other selected effects",
@@ -216,6 +212,15 @@ impl<'a> Trial<'a> {
             ));
         }
         fails
+    }
+
+    /// Whether it lowers the squared error of one of its joints by what it must, in some kinds of recordings.
+    fn lowers_error(&self, i: usize, kinds: &[usize]) -> bool {
+        let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
+        self.joints[i].iter().any(|j| {
+            let (with, without) = (sum(&self.errors, *j), sum(&self.errors_without[i], *j));
+            with < (-self.least[*j]).exp() * without
+        })
     }
 
     /// How many standard deviations the torque that it is named for is away from none, in the direction that was fitted;

@@ -14,7 +14,6 @@ mod reshaped;
 mod selecting;
 mod settled;
 mod shifted;
-mod structure;
 
 pub use earned::Indicated;
 pub(crate) use earned::{concerned, earn};
@@ -50,12 +49,11 @@ use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
-use crate::search::selection::Selection;
+use crate::search::selection::{Chosen, Selection};
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
 use gears::{confirmed_joints, gears_beside, without_gears};
 use selecting::{Parts, Selected};
-use structure::structure_alone;
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
 #[derive(Debug)]
@@ -88,8 +86,6 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
     pub misfit: Vec<f64>,
-    /// True once the calibration recordings were investigated alone.
-    pub structure_known: bool,
     /// Whether the calibration recordings leave open what the targets' motion needs, so that both were fitted together.
     pub undetermined: bool,
     /// Faults of the recordings.
@@ -108,8 +104,6 @@ pub struct Investigation {
     pub contacts: Vec<Contact>,
     /// What selection found and what passed every test after it.
     pub selection: Selection,
-    /// On which share of the blocks of time each of it lowers the error of its joints.
-    pub stability: Vec<f64>,
     /// What selection found and what failed a test.
     pub indicated: Vec<Indicated>,
     /// Joints whose measurement never changes, by recording: (recording, joint, value).
@@ -126,11 +120,12 @@ pub struct Investigation {
 }
 
 impl Investigation {
-    /// A group of all recordings that the calibration recordings alone do not show: it stays in the model, lest a change takes its
-    /// place, and is not claimed.
-    pub(crate) fn only_together(&self, group: usize) -> bool {
-        let group = &self.groups[group];
-        self.structure_known && group.is_named() && !group.is_known && !group.target_only()
+    /// True for what was selected in all recordings, and does not describe those of the calibration: it stays in the model, lest a
+    /// change takes its place, and is not claimed.
+    pub(crate) fn only_together(&self, chosen: &Chosen) -> bool {
+        let group = &self.groups[chosen.group];
+        let has_both = self.problem.has_reference() && self.problem.has_target() && !self.undetermined;
+        has_both && group.is_named() && !group.target_only() && !chosen.in_reference
     }
 
     /// Coefficients of the final model: the baseline's and those of what was selected.
@@ -173,8 +168,6 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let structure = structure_alone(question, registry, &mut progress);
-    let question = &Question { structure: structure.as_deref(), ..*question };
     let Punctual { mut examination, recordings: punctual, without } =
         punctual(question, registry, &mut progress)?;
     let question = &Question { recordings: &punctual, without: &without, ..*question };
@@ -326,8 +319,6 @@ fn examine(
     if !elastic.is_empty() {
         progress("fitting the reference model beside gears");
     }
-    let structure = question.structure.filter(|_| !undetermined);
-    let question = &Question { structure, ..*question };
     let gears = without_gears(question, judged, undetermined, elastic)?;
     let freed =
         Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
@@ -456,7 +447,6 @@ fn examine(
         noise_notes,
         floor,
         misfit,
-        structure_known: question.structure.is_some(),
         faults,
         faults_matter,
         undetermined,
@@ -466,7 +456,6 @@ fn examine(
         before_gears,
         contacts,
         selection,
-        stability: Vec::new(),
         indicated: Vec::new(),
         constant,
         predicted,

@@ -10,6 +10,7 @@ use aurt_plugins::Registry;
 use crate::error::DiagnosisError;
 use crate::hypotheses::group::Group;
 use crate::investigation::earned::Indicated;
+use crate::investigation::reshaped::restore;
 use crate::investigation::{Investigation, earn, reshape};
 use crate::request::Question;
 use crate::search::ground::Recorded;
@@ -35,7 +36,8 @@ pub(super) fn reselect(
         if barred.is_empty() {
             return Ok(());
         }
-        let passed = (investigation.selection.clone(), investigation.stability.clone());
+        let Investigation { selection, candidates, problem, .. } = &*investigation;
+        let passed = (selection.clone(), candidates.clone(), problem.clone());
         let failed = std::mem::take(&mut investigation.indicated);
         progress("searching again without what failed a test");
         investigation.selection = search(question, registry, investigation, &barred, &mut progress);
@@ -56,9 +58,14 @@ pub(super) fn reselect(
             indicated.extend(new);
             add_rivals(question, registry, investigation, &failed, &passed.0);
         } else {
-            (investigation.selection, investigation.stability) = passed;
-            // The search has estimated shapes anew.
-            confirm(question, registry, investigation)?;
+            let now = std::mem::replace(&mut investigation.candidates, passed.1);
+            (investigation.selection, investigation.problem) = (passed.0, passed.2);
+            let Investigation { rows, confirm, candidates, layout, partition, .. } = investigation;
+            let changed =
+                candidates.iter().zip(now).filter(|(c, now)| c.proposal.addition != now.proposal.addition);
+            for (candidate, _) in changed {
+                restore((rows, confirm), candidate, question, registry, layout, partition)?;
+            }
         }
         if barred.len() == before {
             return Ok(());

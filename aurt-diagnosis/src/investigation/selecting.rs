@@ -82,12 +82,8 @@ impl Parts<'_> {
                     fitted.parameters(group, &ground.candidates[group.candidate], question.model, &own);
                 group.effect.impossible(&parameters, f64::INFINITY).is_some()
             };
-            let refused: Vec<usize> = selection
-                .chosen
-                .iter()
-                .map(|c| c.group)
-                .filter(|g| !groups[*g].is_known && impossible(*g))
-                .collect();
+            let refused: Vec<usize> =
+                selection.chosen.iter().map(|c| c.group).filter(|g| impossible(*g)).collect();
             if refused.is_empty() {
                 break (selection, fitted, independent_share);
             }

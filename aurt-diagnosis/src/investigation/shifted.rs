@@ -3,8 +3,10 @@
 use aurt_recording::Segment;
 
 use crate::evidence::gram::{Moments, dot};
+use crate::evidence::residuals::{LONGEST_MEMORY, residuals};
+use crate::hypotheses::group::Switch;
 use crate::investigation::Investigation;
-use crate::recordings::rows::Role;
+use crate::recordings::rows::{Role, independent_share};
 use crate::request::Question;
 
 /// Puts the products of the model's columns with the measurement of a later time into moments.
@@ -42,6 +44,32 @@ pub(super) fn shift(
             }
         }
     }
+}
+
+/// What a fit leaves of the measurement of a later time over the rows that confirm: sum of squares of each joint, and how many of its
+/// rows are independent.
+pub(super) fn confirming_errors(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    (switches, coefficients): (&[Switch], &[f64]),
+    target_only: bool,
+    delay_s: f64,
+) -> Vec<[f64; 2]> {
+    let Investigation { confirm, partition, layout, .. } = investigation;
+    let mut sums = vec![[0.0; 2]; layout.rows.len()];
+    for (r, rows) in confirm.to_judge().iter().enumerate() {
+        let by_s = if target_only && rows.role == Role::Calibration { 0.0 } else { delay_s };
+        let left = residuals(rows, layout, switches, coefficients);
+        for (joint, (sum, left)) in sums.iter_mut().zip(&left).enumerate() {
+            let later = later(&question.recordings[r].data.data.segments, joint, by_s);
+            let errors = left.iter().zip(&later[partition.end_of_fit[r]..]).zip(&rows.joints[joint].counts);
+            let errors: Vec<f64> =
+                errors.filter(|(_, c)| **c).map(|((left, change), _)| left + change).collect();
+            sum[0] += errors.iter().map(|e| e * e).sum::<f64>();
+            sum[1] += independent_share(&errors, LONGEST_MEMORY) * errors.len() as f64;
+        }
+    }
+    sums
 }
 
 /// By how much the measurement of a joint differs some time after each row, over all segments. Samples that are left out are

@@ -7,5 +7,5 @@ mod settings;
 pub(crate) mod simulated;
 
 pub use paths::{from_folder, with_file_names};
-pub use question::{Question, QuestionedRecording, Spoilt, StructuralEffect};
+pub use question::{Question, QuestionedRecording, Spoilt};
 pub use settings::SelectionOptions;

@@ -9,7 +9,7 @@ use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::recordings::unresolved::{leave_out_unresolved, position_cutoff_hz};
 use crate::request::SelectionOptions;
-use crate::vocabulary::{Effect, Proposal};
+use crate::vocabulary::Effect;
 
 /// A recording that takes part in a diagnosis.
 #[derive(Debug, Clone)]
@@ -166,14 +166,6 @@ fn constant(series: &[f64]) -> Option<f64> {
     series.iter().all(|v| *v == first).then_some(first)
 }
 
-/// An effect of the calibration recordings, with the shapes that they give it.
-#[derive(Debug, Clone)]
-pub struct StructuralEffect {
-    pub effect: &'static Effect,
-    /// Its term.
-    pub proposal: Proposal,
-}
-
 /// What a diagnosis is asked: a model, recordings, and what is taken as given.
 #[derive(Debug)]
 pub struct Question<'a> {
@@ -191,8 +183,6 @@ pub struct Question<'a> {
     pub selection: SelectionOptions,
     /// Effects that are not to be considered (for proofs of `unexplained`).
     pub without: &'a [String],
-    /// Effects that the calibration recordings alone show, once these were asked; `None` before. Every model of the targets has them.
-    pub structure: Option<&'a [StructuralEffect]>,
 }
 
 impl Question<'_> {

@@ -137,7 +137,6 @@ const fn switch(column: usize, target_only: bool) -> Switch {
 
 fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
     Group {
-        is_known: false,
         effect: effects::find(effect).unwrap(),
         joints: vec![0],
         candidate: column,
@@ -240,19 +239,6 @@ fn losses_that_do_not_differ_are_friction_by_load() {
     losses.switches.push(switch(2, false));
     let found = rows.select(&[group("load_dependent_friction", 1, false), losses]);
     assert_eq!(found.chosen.iter().map(|c| c.group).collect::<Vec<_>>(), [0]);
-}
-
-#[test]
-fn what_is_known_stays_and_is_not_taken_twice() {
-    let mut rows = Rows::new(vec![
-        recording(Role::Calibration, 8, &[1.0, 0.0, 0.0]),
-        recording(Role::Target, 9, &[1.0, 0.8, 0.0]),
-    ]);
-    let known = Group { is_known: true, ..group("viscous", 2, false) };
-    let groups = [group("spring", 1, true), group("viscous", 2, false), known];
-    let mut found: Vec<usize> = rows.select(&groups).chosen.iter().map(|c| c.group).collect();
-    found.sort_unstable();
-    assert_eq!(found, [0, 2]);
 }
 
 #[test]

@@ -47,12 +47,12 @@ pub(crate) fn findings(
 ) -> Vec<Finding> {
     let chosen = &investigation.selection.chosen;
     let mut merged: Vec<(Finding, Vec<Vec<usize>>)> = Vec::new();
-    for (one, stability) in chosen.iter().zip(&investigation.stability) {
-        if investigation.only_together(one.group) {
+    for one in chosen {
+        if investigation.only_together(one) {
             continue;
         }
         let Some(mut finding) = finding(question, investigation, one, fitted) else { continue };
-        finding.stability = Some(*stability);
+        finding.stability = one.stability;
         let whole_arm = effects::find(&finding.effect).is_some_and(|e| e.is_whole_arm);
         let twin = merged.iter_mut().find(|(f, _)| {
             f.effect == finding.effect
@@ -80,10 +80,10 @@ pub(crate) fn findings(
 
 /// What was selected and fails a test, each for itself.
 pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
-    let together = investigation.selection.chosen.iter().filter(|c| investigation.only_together(c.group));
+    let together = investigation.selection.chosen.iter().filter(|c| investigation.only_together(c));
     let together = together.map(|c| Indicated {
         chosen: c.clone(),
-        fails: vec!["the calibration recordings alone do not show it".to_owned()],
+        fails: vec!["the calibration recordings do not show it".to_owned()],
         lacks_confirmation: false,
     });
     let mut found: Vec<Indication> = investigation

@@ -67,7 +67,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let full = (&**all, &*fit.coefficients);
     let fitted_rests = rests(investigation, &investigation.rows, own, full);
     let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
-    let has_claims = investigation.selection.chosen.iter().any(|c| !investigation.only_together(c.group));
+    let has_claims = investigation.selection.chosen.iter().any(|c| !investigation.only_together(c));
     let (mut remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
     if let Some(given) = &investigation.problem.given {
         let off = given.rms(investigation.confirm.to_judge(), &investigation.layout);
@@ -234,7 +234,7 @@ pub(crate) fn share_left(investigation: &Investigation, candidate: usize) -> Opt
     (!ties_joints && by_columns).then(|| match candidate.proposal.presence {
         Presence::Change if investigation.problem.has_target() => free[1],
         Presence::Change => 0.0,
-        Presence::Any | Presence::Known | Presence::Structure => free[0].max(free[1]),
+        Presence::Any | Presence::Structure => free[0].max(free[1]),
     })
 }
 

@@ -38,8 +38,6 @@ pub enum Presence {
     Change,
     /// Tried in all recordings alone: what the robot has.
     Structure,
-    /// Known to be in all recordings from the calibration recordings alone: in every model of the targets.
-    Known,
 }
 
 /// Something that, added to the model, would describe an effect.

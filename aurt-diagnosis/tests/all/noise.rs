@@ -179,7 +179,6 @@ fn floors_at(
         calibration: CalibrationOptions::default(),
         selection: SelectionOptions::default(),
         without: &[],
-        structure: None,
     };
     let baseline = Baseline::new(&question).unwrap();
     let fit = Fit { model, load: &baseline.load, coefficients: &baseline.coefficients };

@@ -111,8 +111,11 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         distinct(news.iter().filter(|n| claim.structure.is_none() || n.change == change));
     let strict = compare(&truth.effects, &news, &order, answer, Sameness::Strict);
     let class = compare(&truth.effects, &news, &order, answer, Sameness::Class);
-    let flagged_by =
-        if of_change_alone { flagged_by_change(claim, &news) } else { flagged_by(claim, &news, reference) };
+    let flagged_by = if of_change_alone {
+        flagged_by_change(claim, &news)
+    } else {
+        flagged_by(truth, claim, &news, reference)
+    };
     let is_of_vocabulary = matches!(truth.case_type, CaseType::Single | CaseType::Pair) && removed.is_none();
     let (right, right_class) = match (truth.case_type, removed) {
         (CaseType::Null, _) => both(flagged_by.is_empty()),

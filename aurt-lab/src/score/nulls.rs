@@ -1,6 +1,8 @@
 //! What counts against a null.
 
-use super::claim::{Answer, Claim};
+use aurt_simulation::effects::Family;
+
+use super::claim::{Answer, Claim, is_change};
 use super::claim_set::ClaimSet;
 use super::news::{News, distinct};
 use crate::case::{CaseType, Truth, World};
@@ -10,9 +12,20 @@ pub(super) fn is_of_change_alone(truth: &Truth) -> bool {
     truth.world == World::Injected && truth.case_type == CaseType::Null
 }
 
-/// Claims and verdicts that say that something is missing, which are news, and not the reference's.
-pub(super) fn flagged_by(claim: &Claim, news: &[News<'_>], reference: Option<&Claim>) -> Vec<String> {
-    let verdicts = [claim.verdict, claim.structure.unwrap_or(claim.verdict)];
+/// Claims and verdicts that say that something is missing, which are news, and not the reference's. Where an undeclared background is
+/// in all recordings, something is missing there: saying so is neither right nor wrong, with its name or without.
+pub(super) fn flagged_by(
+    truth: &Truth,
+    claim: &Claim,
+    news: &[News<'_>],
+    reference: Option<&Claim>,
+) -> Vec<String> {
+    let lacks = truth.background.iter().any(|b| b.family != Family::Q && !is_change(&b.present_in));
+    let of_structure = claim.structure.unwrap_or(claim.verdict);
+    let of_structure =
+        if lacks && of_structure != Answer::Failed { Answer::NoMismatch } else { of_structure };
+    // Without later recordings there is one question, that of the structure.
+    let verdicts = [claim.structure.map_or(of_structure, |_| claim.verdict), of_structure];
     if verdicts.iter().all(|w| *w == Answer::NoMismatch) {
         return Vec::new();
     }

@@ -166,6 +166,22 @@ fn a_null_is_flagged_by_what_is_news() {
     let structure: Claim =
         serde_json::from_value(json!({ "verdict": "no_mismatch", "structure": "unexplained" })).unwrap();
     assert_eq!(score(&null, &structure, None, None).flagged_by, ["unexplained"]);
+    // What the experiment does not declare is missing, whether it has a name or not; nothing has changed.
+    let background = |name: &str, family: &str| {
+        let mut one = effect(name, &[0, 1], "calibration");
+        one["family"] = json!(family);
+        Truth { background: vec![serde_json::from_value(one).unwrap()], ..truth("null", &[]) }
+    };
+    let stribeck = background("stribeck", "F");
+    assert!(score(&stribeck, &structure, None, None).right);
+    assert!(score(&stribeck, &claim("unexplained", &[]), None, None).right, "one question");
+    let change: Claim =
+        serde_json::from_value(json!({ "verdict": "unexplained", "structure": "no_mismatch" })).unwrap();
+    assert_eq!(score(&stribeck, &change, None, None).flagged_by, ["unexplained"]);
+    assert_eq!(score(&stribeck, &claim("named", &play), None, None).flagged_by, ["backlash"]);
+    assert_eq!(score(&stribeck, &Claim::failed(), None, None).flagged_by, ["failed"]);
+    let lost = background("dropped_samples", "Q");
+    assert_eq!(score(&lost, &structure, None, None).flagged_by, ["unexplained"]);
 }
 
 /// Of real recordings nobody knows which structure is missing: their nulls have a truth for change alone.

@@ -110,7 +110,6 @@ impl Subject {
             calibration: self.calibration,
             selection: self.selection,
             without: &[],
-            structure: None,
         }
     }
 
