@@ -120,7 +120,7 @@ fn a_diagnosis_in_memory_gives_typed_effects_and_the_improved_model() {
     assert!((stiffness.value - 8.0).abs() < 1.0, "{stiffness:?}");
 }
 
-/// What the structure lacks is what the calibration recordings alone show, whichever targets stand beside them.
+/// What the structure lacks is claimed where the calibration recordings show it; targets change nothing of it.
 #[test]
 fn the_structure_does_not_depend_on_the_targets() {
     let cable = || effects::Spring { joint: 1, stiffness_nm_rad: 8.0, rest_rad: 0.3 };

@@ -15,7 +15,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::injection::anew::Anew;
 use crate::injection::ground::Known;
 use crate::injection::prepared::{AddedRows, Prepared};
-use crate::investigation::{Delay, Investigation, earn, mean_floor, reshape};
+use crate::investigation::{Delay, Investigation, earn, mean_floor, reshape_judged};
 use crate::recordings::divided::FitRows;
 use crate::request::{Question, QuestionedRecording};
 use crate::search::ground::{Ground, Recorded};
@@ -108,10 +108,8 @@ impl Prepared<'_> {
         let noise_notes =
             bound_floors(&rows, layout, &switches, &coefficients, &mut floors, question.names());
         floor = mean_floor(&rows, partition, &floors);
-        for chosen in &selection.chosen {
-            let candidate = &candidates[groups[chosen.group].candidate];
-            reshape(&mut confirm, candidate, question, self.registry, layout, partition)?;
-        }
+        let chosen = selection.chosen.iter().map(|c| groups[c.group].candidate);
+        reshape_judged(&mut confirm, &candidates, chosen, question, self.registry, layout, partition)?;
         let mut investigation = Investigation {
             model: reference.model.clone(),
             baseline,

@@ -241,7 +241,7 @@ impl Scan {
 
     /// The delay, if it is one. A delay acts mostly at reversals, whose samples are left out, so the gain on the other rows is small
     /// even for a real one. That joints agree on it is evidence of one clock; a single joint has to gain as much as other effects must.
-    /// It has to be found in the fitted rows, and still be there with what the others say.
+    /// Fitted rows have to show it, and still do when what confirming rows say against it is subtracted.
     pub(super) fn delay(&self) -> Option<Delay> {
         let [delay_s, std_s] = self.size()?;
         // A delay of less than half a step is seen beside the steps alone.
@@ -262,7 +262,7 @@ impl Scan {
         (score > self.least && clear && agreed).then_some(delay)
     }
 
-    /// The sum of what joints gain; none where it is that of one joint.
+    /// The sum of what joints gain; 0 where all but the strongest gain too little, or a single joint does.
     fn score_of_all(&self, gains: &[f64]) -> f64 {
         let score: f64 = gains.iter().sum();
         let strongest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);

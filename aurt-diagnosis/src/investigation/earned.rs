@@ -46,7 +46,7 @@ pub(crate) fn concerned(chosen: &Chosen) -> Vec<usize> {
 
 /// Takes what fails out of the selection, one after another, and tests what remains anew: first what chance makes most easily, since
 /// beside what fits some recordings only, held-out rows speak against what is there as well; then the weakest. Notes for the rest
-/// on which share of the blocks of time it lowers the error.
+/// on which share of the blocks of time it lowers the error, and whether it lowers that of the calibration recordings.
 pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -> Result<(), DiagnosisError> {
     if investigation.selection.chosen.is_empty() {
         return Ok(());
@@ -113,7 +113,7 @@ struct Trial<'a> {
     whole: Fitted,
     /// Fits without one of it.
     without: Vec<(Vec<Switch>, Vec<f64>)>,
-    /// Mean squares over fitted rows, `[kind][joint]`: with all, and without one of it.
+    /// Sums of squares over fitted rows, `[kind][joint]`: with all, and without one of it.
     errors: [Vec<f64>; 2],
     errors_without: Vec<[Vec<f64>; 2]>,
 }

@@ -23,7 +23,7 @@ pub(crate) use gears::WORSE;
 pub use late::{Delay, Late};
 pub(crate) use repairs::JudgedFaults;
 use reselected::reselect;
-pub(crate) use reshaped::reshape;
+pub(crate) use reshaped::reshape_judged;
 pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;
@@ -120,9 +120,9 @@ pub struct Investigation {
 }
 
 impl Investigation {
-    /// True for what was selected in all recordings, and does not describe those of the calibration: it stays in the model, lest a
+    /// True for an effect of all recordings that does not lower the error of those of the calibration: it stays in the model, lest a
     /// change takes its place, and is not claimed.
-    pub(crate) fn only_together(&self, chosen: &Chosen) -> bool {
+    pub(crate) fn is_withheld(&self, chosen: &Chosen) -> bool {
         let group = &self.groups[chosen.group];
         let has_both = self.problem.has_reference() && self.problem.has_target() && !self.undetermined;
         has_both && group.is_named() && !group.target_only() && !chosen.in_reference
@@ -415,10 +415,8 @@ fn examine(
     if parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)? {
         selected = parts.select(&mut rows, progress);
     }
-    for chosen in &selected.selection.chosen {
-        let candidate = &parts.candidates[selected.groups[chosen.group].candidate];
-        reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
-    }
+    let chosen = selected.selection.chosen.iter().map(|c| selected.groups[c.group].candidate);
+    reshape_judged(&mut confirm, parts.candidates, chosen, question, registry, &layout, &partition)?;
     parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)?;
     let Selected {
         problem,

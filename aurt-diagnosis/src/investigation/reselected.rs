@@ -10,8 +10,8 @@ use aurt_plugins::Registry;
 use crate::error::DiagnosisError;
 use crate::hypotheses::group::Group;
 use crate::investigation::earned::Indicated;
-use crate::investigation::reshaped::restore;
-use crate::investigation::{Investigation, earn, reshape};
+use crate::investigation::reshaped::reshape;
+use crate::investigation::{Investigation, earn};
 use crate::request::Question;
 use crate::search::ground::Recorded;
 use crate::search::scoring::Loss;
@@ -64,7 +64,7 @@ pub(super) fn reselect(
             let changed =
                 candidates.iter().zip(now).filter(|(c, now)| c.proposal.addition != now.proposal.addition);
             for (candidate, _) in changed {
-                restore((rows, confirm), candidate, question, registry, layout, partition)?;
+                reshape((Some(rows), confirm), candidate, question, registry, layout, partition)?;
             }
         }
         if barred.len() == before {
@@ -160,7 +160,7 @@ fn confirm(
     let Investigation { selection, confirm, candidates, groups, layout, partition, .. } = investigation;
     for chosen in &selection.chosen {
         let candidate = &candidates[groups[chosen.group].candidate];
-        reshape(confirm, candidate, question, registry, layout, partition)?;
+        reshape((None, confirm), candidate, question, registry, layout, partition)?;
     }
     investigation.confirm_chosen(question);
     Ok(())

@@ -57,7 +57,7 @@ pub(super) fn confirming_errors(
 ) -> Vec<[f64; 2]> {
     let Investigation { confirm, partition, layout, .. } = investigation;
     let mut sums = vec![[0.0; 2]; layout.rows.len()];
-    for (r, rows) in confirm.to_judge().iter().enumerate() {
+    for (r, rows) in confirm.to_judge().iter().enumerate().filter(|(_, rows)| rows.rows() > 0) {
         let by_s = if target_only && rows.role == Role::Calibration { 0.0 } else { delay_s };
         let left = residuals(rows, layout, switches, coefficients);
         for (joint, (sum, left)) in sums.iter_mut().zip(&left).enumerate() {

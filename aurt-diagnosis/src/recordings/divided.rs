@@ -9,8 +9,8 @@ use crate::recordings::rows::{JointRows, RecordingRows};
 #[derive(Debug, Clone)]
 pub struct FitRows(Vec<RecordingRows>);
 
-/// The rows that confirm: validation recordings, or the ends of those in question. They are touched once, when all that
-/// was found is judged; nothing is chosen, masked or fitted with them.
+/// The rows that confirm: validation recordings, or the ends of those in question. They judge what was found, a delay first;
+/// nothing is masked or fitted with them.
 #[derive(Debug, Clone)]
 pub struct ConfirmRows(Vec<RecordingRows>);
 

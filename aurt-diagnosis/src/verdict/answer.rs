@@ -45,7 +45,7 @@ pub(crate) fn answers(
                 answer => answer,
             };
             let chosen = &investigation.selection.chosen;
-            let unclaimed = chosen.iter().any(|c| investigation.only_together(c));
+            let unclaimed = chosen.iter().any(|c| investigation.is_withheld(c));
             let missing = Asked { left: errors.structure || something, coincidence: false, unclaimed };
             (change, Some(word(&in_all, &missing)))
         }

@@ -48,7 +48,7 @@ pub(crate) fn findings(
     let chosen = &investigation.selection.chosen;
     let mut merged: Vec<(Finding, Vec<Vec<usize>>)> = Vec::new();
     for one in chosen {
-        if investigation.only_together(one) {
+        if investigation.is_withheld(one) {
             continue;
         }
         let Some(mut finding) = finding(question, investigation, one, fitted) else { continue };
@@ -80,7 +80,7 @@ pub(crate) fn findings(
 
 /// What was selected and fails a test, each for itself.
 pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
-    let together = investigation.selection.chosen.iter().filter(|c| investigation.only_together(c));
+    let together = investigation.selection.chosen.iter().filter(|c| investigation.is_withheld(c));
     let together = together.map(|c| Indicated {
         chosen: c.clone(),
         fails: vec!["the calibration recordings do not show it".to_owned()],

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | single | the verdict names an effect (`named`; `partly_explained` in worlds with a background), the effect is first, or one of its declared alternatives, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing else is claimed |
 //! | pair | the same of both, as the first two |
-//! | null | `no_mismatch`, or no claim but the background's and the reference's; of real recordings: no change |
+//! | null | `no_mismatch`, or no claim but the background's and the reference's (beside a background the structure may be `unexplained`); of real recordings: no change |
 //! | unknown effect | `unexplained` or `partly_explained` |
 //! | single whose candidate was removed | `unexplained` or `partly_explained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
 //!

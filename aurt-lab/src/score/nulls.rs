@@ -20,24 +20,24 @@ pub(super) fn flagged_by(
     news: &[News<'_>],
     reference: Option<&Claim>,
 ) -> Vec<String> {
-    let lacks = truth.background.iter().any(|b| b.family != Family::Q && !is_change(&b.present_in));
     let of_structure = claim.structure.unwrap_or(claim.verdict);
-    let of_structure =
-        if lacks && of_structure != Answer::Failed { Answer::NoMismatch } else { of_structure };
-    // Without later recordings there is one question, that of the structure.
-    let verdicts = [claim.structure.map_or(of_structure, |_| claim.verdict), of_structure];
-    if verdicts.iter().all(|w| *w == Answer::NoMismatch) {
+    if [claim.verdict, of_structure].iter().all(|w| *w == Answer::NoMismatch) {
         return Vec::new();
     }
     let names = names(news);
     if !names.is_empty() {
         return names;
     }
+    let lacks = truth.background.iter().any(|b| b.family != Family::Q && !is_change(&b.present_in));
+    let is_excused = |w: &Answer| lacks && !matches!(w, Answer::Failed | Answer::HeldOutDiffers);
     let said_before =
         |verdict: &Answer| reference.is_some_and(|r| r.verdict == *verdict || r.structure == Some(*verdict));
-    let verdict = verdicts.into_iter().find(|w| *w != Answer::NoMismatch && !said_before(w));
+    // A single verdict answers for the structure as well.
+    let of_change = claim.structure.map(|_| claim.verdict);
+    let verdict = of_change.into_iter().chain(Some(of_structure).filter(|w| !is_excused(w)));
     verdict
-        .filter(|w| claim.effects.is_empty() || *w == Answer::Failed)
+        .filter(|w| *w != Answer::NoMismatch && !said_before(w))
+        .find(|w| claim.effects.is_empty() || *w == Answer::Failed)
         .map(|w| vec![w.name().to_owned()])
         .unwrap_or_default()
 }

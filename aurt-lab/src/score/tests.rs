@@ -179,6 +179,8 @@ fn a_null_is_flagged_by_what_is_news() {
         serde_json::from_value(json!({ "verdict": "unexplained", "structure": "no_mismatch" })).unwrap();
     assert_eq!(score(&stribeck, &change, None, None).flagged_by, ["unexplained"]);
     assert_eq!(score(&stribeck, &claim("named", &play), None, None).flagged_by, ["backlash"]);
+    let wrong = Claim { structure: Some(Answer::Named), ..claim("no_mismatch", &play) };
+    assert_eq!(score(&stribeck, &wrong, None, None).flagged_by, ["backlash"]);
     assert_eq!(score(&stribeck, &Claim::failed(), None, None).flagged_by, ["failed"]);
     let lost = background("dropped_samples", "Q");
     assert_eq!(score(&lost, &structure, None, None).flagged_by, ["unexplained"]);
