@@ -1,8 +1,8 @@
 //! `base_tilt`: a base that is not mounted as the gravity vector says.
 //!
 //! # What it is
-//! Gravity in the base frame is turned by small angles about its x and y axes: to first order, τ = ρ Y(q; −x × g)
-//! π + ϑ Y(q; −y × g) π, with Y the rigid-body regressor at rest and π the fitted inertial parameters. Floors
+//! Gravity in the base frame is turned about its x and y axes: to first order, τ = ρ Y(q; −x × g) π + ϑ Y(q; −y × g) π, with Y the
+//! rigid-body regressor at rest and π the fitted inertial parameters; around the angles that were found it is exact. Floors
 //! slope, brackets bend, and mounting angles are entered incorrectly.
 //!
 //! - `roll_rad`, `pitch_rad`: ρ and ϑ, rad; usually some degrees (1° = 0.017 rad).
@@ -51,7 +51,8 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
     let term = |first_axis: bool| {
         json!({
-            "model": "base_tilt", "inertial_columns": columns, "inertial_values": values, "first_axis": first_axis,
+            "model": "base_tilt", "around_rad": [0.0, 0.0], "inertial_columns": columns, "inertial_values": values,
+            "first_axis": first_axis,
         })
     };
     [false, true].map(|first_axis| Proposal::term((0..context.joints).collect(), term(first_axis))).to_vec()

@@ -272,6 +272,8 @@ fn settle_law(candidate: &mut Candidate, own: &[f64], fitted: &Fitted) {
     if let Some(around) = around.and_then(|key| configuration.get_mut(key)) {
         let place = |column: usize| fitted.place(column, true).or_else(|| fitted.place(column, false));
         let value = |column: &usize| place(*column).map_or(0.0, |k| fitted.fit.coefficients[k]);
-        *around = candidate.columns.iter().map(value).collect();
+        // Further columns are accessories.
+        let angles = around.as_array().map_or(0, Vec::len);
+        *around = candidate.columns.iter().take(angles).map(value).collect();
     }
 }

@@ -26,7 +26,7 @@ pub struct Context<'a> {
     pub resolution_rad: &'a [f64],
 }
 
-/// Keys of terms that are exact around the values of their own coefficients, one a joint.
+/// Keys of terms that are exact around the values of their own first coefficients.
 pub(crate) const AROUND: [&str; 2] = ["around_rad", "around_rad_nm"];
 
 /// In which recordings an effect may be present.

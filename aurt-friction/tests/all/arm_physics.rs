@@ -148,12 +148,13 @@ fn a_tilt_is_the_derivative_with_respect_to_the_mounting() {
     let body = PlanarArm::new(JOINTS);
     let recording = Recording::random(7, JOINTS, SAMPLES);
     let standard = some_parameters();
-    let term = BaseTilt {
+    let term = |around_rad: &[f64]| BaseTilt {
         inertial_columns: (0..10 * JOINTS).collect(),
         inertial_values: standard.clone(),
+        around_rad: around_rad.to_vec(),
         first_axis: true,
     };
-    let columns = evaluate(&term, &body, &recording, &[]).unwrap();
+    let columns = evaluate(&term(&[]), &body, &recording, &[]).unwrap();
     let [x, y, z] = body.gravity_m_s2;
     let angle = 1e-4_f64;
     let (sin, cos) = angle.sin_cos();
@@ -173,6 +174,17 @@ fn a_tilt_is_the_derivative_with_respect_to_the_mounting() {
     for n in 0..SAMPLES {
         assert_close(columns[2][n], recording.joint(0).position_rad[n].sin(), 1e-15, "sin q0");
         assert_eq!(columns[4 + 2][n], 0.0);
+    }
+    // Turned by roll, then by pitch about its own axis, it sees R_y(pitch)ᵀ R_x(roll)ᵀ g.
+    for [roll, pitch] in [[0.3, -0.4], [0.3, 0.0], [0.0, 0.2]] {
+        let columns = evaluate(&term(&[roll, pitch]), &body, &recording, &[]).unwrap();
+        let [h_y, h_z] = [roll.cos() * y + roll.sin() * z, roll.cos() * z - roll.sin() * y];
+        let gravity = [pitch.cos() * x - pitch.sin() * h_z, h_y, pitch.cos() * h_z + pitch.sin() * x];
+        let other = torque(&*body.with_gravity(gravity), &recording, &standard);
+        for i in 0..JOINTS * SAMPLES {
+            let of = |k: usize| columns[(i / SAMPLES) * 4 + k][i % SAMPLES];
+            assert_close(roll * of(0) + pitch * of(1), other[i] - level[i], 1e-10, "tilt around");
+        }
     }
 }
 
