@@ -369,7 +369,11 @@ fn joints_beyond_the_robot_are_refused_with_every_complaint() {
     };
     assert_eq!(coupled.validate(6).unwrap_err().len(), 6);
     assert!(Payload { link: Some(6), parameters: Some(Vec::new()) }.validate(6).is_err());
-    let tilt =
-        BaseTilt { inertial_columns: vec![10_000, 3, 3], inertial_values: vec![1.0], first_axis: false };
-    assert_eq!(tilt.validate(6).unwrap_err().len(), 3);
+    let tilt = BaseTilt {
+        inertial_columns: vec![10_000, 3, 3],
+        inertial_values: vec![1.0],
+        around_rad: vec![0.1],
+        first_axis: false,
+    };
+    assert_eq!(tilt.validate(6).unwrap_err().len(), 4);
 }
