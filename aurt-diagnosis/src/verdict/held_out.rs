@@ -74,6 +74,24 @@ pub(super) fn differences(
     residual.iter().filter_map(difference).collect()
 }
 
+/// The joints, but for those of `apart`, whose held-out error is more than noise and the uncertainty of the coefficients leave: that of
+/// the fitted rows may be taken for noise that is louder than their floor, and noise is as loud in the others.
+pub(super) fn beyond_noise(
+    investigation: &Investigation,
+    fitted: &Fitted,
+    residual: &[JointResidual],
+    held_out: &HeldOut,
+    apart: &[usize],
+) -> Vec<usize> {
+    let uncertain = uncertainty(investigation, fitted);
+    let is_beyond = |joint: &JointResidual| {
+        let (rms, floor) = (held_out.rms_after[joint.joint], held_out.rms_floor[joint.joint]);
+        let louder = (joint.unexplained_rms / joint.floor_rms.max(f64::MIN_POSITIVE)).max(1.0);
+        rms.is_finite() && has_structure(rms * rms, (louder * floor).powi(2) + uncertain[joint.joint])
+    };
+    residual.iter().filter(|r| !apart.contains(&r.joint) && is_beyond(r)).map(|r| r.joint).collect()
+}
+
 /// The held-out recordings that have rows, with their numbers.
 fn judging(investigation: &Investigation) -> impl Iterator<Item = (usize, &RecordingRows)> {
     investigation.confirm.to_judge().iter().enumerate().filter(|(_, r)| r.rows() > 0)
