@@ -1,4 +1,4 @@
-//! Dense algebra behind the fold, by `faer` on one thread, or by `nalgebra` where the feature `faer` is left out.
+//! Dense algebra behind the fold, by `faer` on one thread.
 //!
 //! Matrices are `nalgebra`'s, whose storage is column-major without gaps, as `faer` reads it. `faer` chooses its instructions
 //! at run time, so that last bits of what comes from here depend on the processor; coefficients and predictions of
@@ -6,31 +6,55 @@
 //!
 //! Every function returns `None` where the matrix is not finite, or singular.
 
+use faer::{
+    Accum, MatMut, MatRef, Par, Side,
+    linalg::{
+        matmul::triangular::{BlockStructure, matmul},
+        solvers::{Llt, Solve},
+    },
+};
 use nalgebra::{DMatrix, DVector};
 
-#[cfg(feature = "faer")]
-use by_faer as library;
-#[cfg(not(feature = "faer"))]
-use by_nalgebra as library;
+/// The Cholesky factor of a positive definite matrix.
+pub(crate) struct Cholesky(Llt<f64>);
 
-pub(crate) use library::Cholesky;
+impl Cholesky {
+    pub(crate) fn of(matrix: &DMatrix<f64>) -> Option<Self> {
+        Llt::new(seen(matrix), Side::Lower).ok().map(Self)
+    }
+
+    pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let (mut found, n) = (right.clone(), right.len());
+        self.0.solve_in_place(MatMut::from_column_major_slice_mut(found.as_mut_slice(), n, 1));
+        found
+    }
+}
 
 pub(crate) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    library::gram(matrix)
+    let (of, n) = (seen(matrix), matrix.ncols());
+    let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+    let mut gram = DMatrix::zeros(n, n);
+    matmul(written(&mut gram), lower, Accum::Replace, of.transpose(), whole, of, whole, 1.0, Par::Seq);
+    gram.fill_upper_triangle_with_lower_triangle();
+    gram
 }
 
 pub(crate) fn singular_values(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
-    is_finite(matrix).then(|| library::singular_values(matrix))?
+    is_finite(matrix).then(|| seen(matrix).singular_values().ok())?
 }
 
 /// U, singular values and V of a matrix with at least as many rows as columns, M = U diag(values) Vᵀ.
 pub(crate) fn singular_vectors(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
-    is_finite(matrix).then(|| library::singular_vectors(matrix))?
+    let svd = is_finite(matrix).then(|| seen(matrix).thin_svd().ok())??;
+    let values = svd.S().column_vector();
+    Some((taken(svd.U()), DVector::from_iterator(values.nrows(), values.iter().copied()), taken(svd.V())))
 }
 
 /// U⁻¹ B of an upper triangle U.
 pub(crate) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    library::solve_upper(upper, right).filter(is_finite)
+    let mut found = right.clone();
+    seen(upper).solve_upper_triangular_in_place(written(&mut found));
+    Some(found).filter(is_finite)
 }
 
 /// Ratio of the largest to the smallest singular value of a square matrix, column-major; infinite where the matrix
@@ -50,108 +74,17 @@ fn is_finite(matrix: &DMatrix<f64>) -> bool {
     matrix.iter().all(|v| v.is_finite())
 }
 
-#[cfg(feature = "faer")]
-mod by_faer {
-    use faer::{
-        Accum, MatMut, MatRef, Par, Side,
-        linalg::{
-            matmul::triangular::{BlockStructure, matmul},
-            solvers::{Llt, Solve},
-        },
-    };
-    use nalgebra::{DMatrix, DVector};
-
-    fn seen(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
-    }
-
-    fn written(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
-        let (rows, columns) = matrix.shape();
-        MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
-    }
-
-    fn taken(matrix: MatRef<'_, f64>) -> DMatrix<f64> {
-        DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)])
-    }
-
-    /// The Cholesky factor of a positive definite matrix.
-    pub(crate) struct Cholesky(Llt<f64>);
-
-    impl Cholesky {
-        pub(crate) fn of(matrix: &DMatrix<f64>) -> Option<Self> {
-            Llt::new(seen(matrix), Side::Lower).ok().map(Self)
-        }
-
-        pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
-            let (mut found, n) = (right.clone(), right.len());
-            self.0.solve_in_place(MatMut::from_column_major_slice_mut(found.as_mut_slice(), n, 1));
-            found
-        }
-    }
-
-    pub(super) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        let (of, n) = (seen(matrix), matrix.ncols());
-        let (lower, whole) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        let mut gram = DMatrix::zeros(n, n);
-        matmul(written(&mut gram), lower, Accum::Replace, of.transpose(), whole, of, whole, 1.0, Par::Seq);
-        gram.fill_upper_triangle_with_lower_triangle();
-        gram
-    }
-
-    pub(super) fn singular_values(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
-        seen(matrix).singular_values().ok()
-    }
-
-    pub(super) fn singular_vectors(
-        matrix: &DMatrix<f64>,
-    ) -> Option<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
-        let svd = seen(matrix).thin_svd().ok()?;
-        let values = svd.S().column_vector();
-        Some((taken(svd.U()), DVector::from_iterator(values.nrows(), values.iter().copied()), taken(svd.V())))
-    }
-
-    pub(super) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        let mut found = right.clone();
-        seen(upper).solve_upper_triangular_in_place(written(&mut found));
-        Some(found)
-    }
+fn seen(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
 }
 
-#[cfg(not(feature = "faer"))]
-mod by_nalgebra {
-    use nalgebra::{DMatrix, DVector, Dyn};
+fn written(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
+    let (rows, columns) = matrix.shape();
+    MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
+}
 
-    /// The Cholesky factor of a positive definite matrix.
-    pub(crate) struct Cholesky(nalgebra::Cholesky<f64, Dyn>);
-
-    impl Cholesky {
-        pub(crate) fn of(matrix: &DMatrix<f64>) -> Option<Self> {
-            matrix.clone().cholesky().map(Self)
-        }
-
-        pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
-            self.0.solve(right)
-        }
-    }
-
-    pub(super) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        matrix.transpose() * matrix
-    }
-
-    pub(super) fn singular_values(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
-        Some(matrix.singular_values().as_slice().to_vec())
-    }
-
-    pub(super) fn singular_vectors(
-        matrix: &DMatrix<f64>,
-    ) -> Option<(DMatrix<f64>, DVector<f64>, DMatrix<f64>)> {
-        let svd = matrix.clone().svd(true, true);
-        Some((svd.u?, svd.singular_values, svd.v_t?.transpose()))
-    }
-
-    pub(super) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        upper.solve_upper_triangular(right)
-    }
+fn taken(matrix: MatRef<'_, f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)])
 }
 
 #[cfg(test)]
