@@ -87,7 +87,7 @@ pub(super) struct Scan {
     floor: Vec<f64>,
     /// ½ n_eff of each joint.
     effective: Vec<f64>,
-    /// What rows that nothing was fitted to say for the lowest point, in nats, joint by joint.
+    /// Evidence of the confirming rows for the lowest point, in nats, joint by joint.
     held_out: Vec<f64>,
     /// Least score of a delay, and its least size, s.
     least: f64,

@@ -214,7 +214,7 @@ impl<'a> Trial<'a> {
         fails
     }
 
-    /// Whether it lowers the squared error of one of its joints by what it must, in some kinds of recordings.
+    /// True if it lowers the squared error of one of its joints by what it must, in some kinds of recordings.
     fn lowers_error(&self, i: usize, kinds: &[usize]) -> bool {
         let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
         self.joints[i].iter().any(|j| {

@@ -41,7 +41,13 @@ pub(super) fn reselect(
         let failed = std::mem::take(&mut investigation.indicated);
         progress("searching again without what failed a test");
         investigation.selection = search(question, registry, investigation, &barred, &mut progress);
-        confirm(question, registry, investigation)?;
+        let Investigation { selection, confirm, candidates, groups, layout, partition, .. } =
+            &mut *investigation;
+        for chosen in &selection.chosen {
+            let candidate = &candidates[groups[chosen.group].candidate];
+            reshape((None, confirm), candidate, question, registry, layout, partition)?;
+        }
+        investigation.confirm_chosen(question);
         earn(question, investigation)?;
         let failed_now = std::mem::replace(&mut investigation.indicated, failed);
         let before = barred.len();
@@ -149,19 +155,4 @@ fn selecting<T>(
     });
     investigation.problem = ground.problem;
     found
-}
-
-/// Judges what was selected on the rows that confirm.
-fn confirm(
-    question: &Question<'_>,
-    registry: &Registry,
-    investigation: &mut Investigation,
-) -> Result<(), DiagnosisError> {
-    let Investigation { selection, confirm, candidates, groups, layout, partition, .. } = investigation;
-    for chosen in &selection.chosen {
-        let candidate = &candidates[groups[chosen.group].candidate];
-        reshape((None, confirm), candidate, question, registry, layout, partition)?;
-    }
-    investigation.confirm_chosen(question);
-    Ok(())
 }

@@ -46,8 +46,8 @@ pub(super) fn shift(
     }
 }
 
-/// What a fit leaves of the measurement of a later time over the rows that confirm: sum of squares of each joint, and how many of its
-/// rows are independent.
+/// Squared errors of a fit against the measurement of a later time over the rows that confirm: their sum for each joint, and its number
+/// of independent rows.
 pub(super) fn confirming_errors(
     question: &Question<'_>,
     investigation: &Investigation,

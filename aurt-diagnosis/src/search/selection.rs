@@ -22,7 +22,7 @@ pub struct Chosen {
     pub joint_loss: Vec<f64>,
     /// Share of the blocks of time on which it lowers the error of its joints; none before it passed every test.
     pub stability: Option<f64>,
-    /// Whether it lowers the error of the calibration recordings, too, by what it must; false before it passed every test.
+    /// True if it lowers the error of the calibration recordings, too, by what it must; false before it passed every test.
     pub in_reference: bool,
     /// Other groups that could stand in its place, best first.
     pub rivals: Vec<Rival>,

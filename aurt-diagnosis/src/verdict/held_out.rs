@@ -40,12 +40,11 @@ pub(super) fn errors(investigation: &Investigation, all: &[Switch], fit: &TotalF
 /// whose error is larger than the measurement itself predicts nothing, whatever its uncertainty.
 pub(super) fn differences(
     investigation: &Investigation,
-    fitted: &Fitted,
+    uncertain: &[f64],
     residual: &[JointResidual],
     held_out: &HeldOut,
     apart: &[usize],
 ) -> Vec<HeldOutDifference> {
-    let uncertain = uncertainty(investigation, fitted);
     let measured = measured(investigation);
     let power = |joint: usize| {
         let kinds = investigation.problem.total().each_ref().map(|kind| &kind[joint]);
@@ -77,13 +76,11 @@ pub(super) fn differences(
 /// The joints, but for those of `apart`, whose held-out error is more than noise and the uncertainty of the coefficients leave: that of
 /// the fitted rows may be taken for noise that is louder than their floor, and noise is as loud in the others.
 pub(super) fn beyond_noise(
-    investigation: &Investigation,
-    fitted: &Fitted,
+    uncertain: &[f64],
     residual: &[JointResidual],
     held_out: &HeldOut,
     apart: &[usize],
 ) -> Vec<usize> {
-    let uncertain = uncertainty(investigation, fitted);
     let is_beyond = |joint: &JointResidual| {
         let (rms, floor) = (held_out.rms_after[joint.joint], held_out.rms_floor[joint.joint]);
         let louder = (joint.unexplained_rms / joint.floor_rms.max(f64::MIN_POSITIVE)).max(1.0);
@@ -123,7 +120,7 @@ fn measured(investigation: &Investigation) -> Vec<f64> {
 }
 
 /// Mean square of the prediction's uncertainty over the held-out rows, joint by joint, Nm².
-fn uncertainty(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
+pub(super) fn uncertainty(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
     let mut sums = vec![0.0; investigation.layout.rows.len()];
     let refits = fitted.resampled.deviating(&fitted.fit.coefficients);
     for (_, rows) in judging(investigation) {
@@ -136,4 +133,37 @@ fn uncertainty(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
         }
     }
     sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::beyond_noise;
+    use crate::verdict::{HeldOut, JointResidual};
+
+    #[test]
+    fn noise_is_as_loud_in_held_out_rows_as_in_fitted_ones() {
+        let joint = |joint, unexplained_rms, floor_rms| JointResidual {
+            joint,
+            baseline_rms: unexplained_rms,
+            unexplained_rms,
+            floor_rms,
+            structure_left: false,
+            follows: None,
+            follows_share: 0.0,
+            windows_s: Vec::new(),
+        };
+        // A disturbance in all fitted rows, noise that is louder than its floor everywhere, and rows that nothing was measured in.
+        let residual = [joint(0, 6.9, 4.7), joint(1, 1.5, 1.0), joint(2, 1.0, 1.0)];
+        let held_out = HeldOut {
+            recordings: Vec::new(),
+            rms_before: vec![5.4, 2.3, f64::NAN],
+            rms_after: vec![5.4, 2.3, f64::NAN],
+            rms_floor: vec![0.9, 1.0, 1.0],
+        };
+        let beyond =
+            |uncertain: &[f64], apart: &[usize]| beyond_noise(uncertain, &residual, &held_out, apart);
+        assert_eq!(beyond(&[0.0; 3], &[]), [0]);
+        assert!(beyond(&[0.0; 3], &[0]).is_empty());
+        assert!(beyond(&[20.0, 0.0, 0.0], &[]).is_empty(), "uncertain coefficients explain it");
+    }
 }

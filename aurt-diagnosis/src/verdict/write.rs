@@ -17,7 +17,7 @@ use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
 use crate::verdict::faults::fault_findings;
 use crate::verdict::findings::{delay_finding, findings, indications};
-use crate::verdict::held_out::{beyond_noise, differences, errors as errors_on_held_out};
+use crate::verdict::held_out::{beyond_noise, differences, errors as errors_on_held_out, uncertainty};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
@@ -97,12 +97,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let something = residual.iter().any(|r| r.structure_left && is_structure(r.joint));
     let answered = |something| answers(investigation, &effects, &registered_models, &errors, something);
     let (mut answer, mut structure) = answered(something);
-    let held_out_differs = differences(investigation, &fitted, &residual, &held_out, &apart);
+    let uncertain = uncertainty(investigation, &fitted);
+    let held_out_differs = differences(investigation, &uncertain, &residual, &held_out, &apart);
     if answer == Answer::NoMismatch && !held_out_differs.is_empty() {
         answer = Answer::HeldOutDiffers;
     } else if [answer, structure.unwrap_or(answer)].iter().all(|a| *a == Answer::NoMismatch) {
-        // What disturbs all fitted rows is in their noise, and not in that of held-out ones.
-        let beyond = beyond_noise(investigation, &fitted, &residual, &held_out, &apart);
+        // A disturbance of all fitted rows is in their noise, and not in that of held-out ones.
+        let beyond = beyond_noise(&uncertain, &residual, &held_out, &apart);
         residual.iter_mut().for_each(|r| r.structure_left |= beyond.contains(&r.joint));
         (answer, structure) = answered(!beyond.is_empty());
     }

@@ -166,7 +166,7 @@ fn a_null_is_flagged_by_what_is_news() {
     let structure: Claim =
         serde_json::from_value(json!({ "verdict": "no_mismatch", "structure": "unexplained" })).unwrap();
     assert_eq!(score(&null, &structure, None, None).flagged_by, ["unexplained"]);
-    // What the experiment does not declare is missing, whether it has a name or not; nothing has changed.
+    // An undeclared background is missing, named or not; nothing has changed.
     let background = |name: &str, family: &str| {
         let mut one = effect(name, &[0, 1], "calibration");
         one["family"] = json!(family);
