@@ -18,6 +18,15 @@ pub enum Estimator {
 }
 
 impl Estimator {
+    /// All of them, as experiments, options and results write them.
+    pub const NAMES: [(&str, Self); 5] = [
+        ("wls", Self::Wls),
+        ("ols", Self::Ols),
+        ("consistent", Self::Consistent),
+        ("essential", Self::Essential),
+        ("irls", Self::Irls),
+    ];
+
     /// Whether joints are weighted by their residuals.
     #[must_use]
     pub const fn is_weighted(self) -> bool {
@@ -36,6 +45,11 @@ pub enum LoadTorqueChoice {
     Literal,
 }
 
+impl LoadTorqueChoice {
+    /// Both, as experiments, options and results write them.
+    pub const NAMES: [(&str, Self); 2] = [("fitted", Self::Fitted), ("literal", Self::Literal)];
+}
+
 /// What calibration does with samples at which a joint rests (|q̇_j| at or below the rest velocity), where the
 /// sign of velocity is that of rounding noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -46,6 +60,11 @@ pub enum Rest {
     Keep,
     /// A joint's row is left out of the fit while the joint rests.
     Exclude,
+}
+
+impl Rest {
+    /// Both, as experiments, options and results write them.
+    pub const NAMES: [(&str, Self); 2] = [("keep", Self::Keep), ("exclude", Self::Exclude)];
 }
 
 /// What standard deviations count.

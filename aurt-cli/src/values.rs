@@ -10,13 +10,18 @@ pub type Choice<T> = (&'static str, &'static str, T);
 
 /// Takes one of a few words.
 pub fn choice<T: Clone + Send + Sync>(choices: &'static [Choice<T>]) -> impl TypedValueParser<Value = T> {
-    let shown = |(word, help, _): &Choice<T>| {
-        let word = PossibleValue::new(*word);
-        if help.is_empty() { word } else { word.help(*help) }
-    };
+    let shown = |(word, help, _): &Choice<T>| PossibleValue::new(*word).help(*help);
     PossibleValuesParser::new(choices.iter().map(shown)).try_map(|word| {
         let meant = choices.iter().find(|(known, ..)| *known == word);
         meant.map(|(.., value)| value.clone()).ok_or("no such word")
+    })
+}
+
+/// Takes one of a few words that explain themselves.
+pub fn word<T: Clone + Send + Sync>(words: &'static [(&str, T)]) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(words.iter().map(|(word, _)| word)).try_map(|word| {
+        let meant = words.iter().find(|(known, _)| *known == word);
+        meant.map(|(_, value)| value.clone()).ok_or("no such word")
     })
 }
 

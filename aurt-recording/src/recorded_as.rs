@@ -14,6 +14,11 @@ pub enum AngleUnit {
     Degree,
 }
 
+impl AngleUnit {
+    /// Both, as experiments write them.
+    pub const NAMES: [(&str, Self); 2] = [("rad", Self::Radian), ("deg", Self::Degree)];
+}
+
 /// The unit of time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeUnit {
@@ -28,16 +33,14 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// All of them, the longest first.
-    pub const ALL: [Self; 4] = [Self::Second, Self::Millisecond, Self::Microsecond, Self::Nanosecond];
+    /// All of them as experiments write them, the longest first.
+    pub const NAMES: [(&str, Self); 4] =
+        [("s", Self::Second), ("ms", Self::Millisecond), ("us", Self::Microsecond), ("ns", Self::Nanosecond)];
 
     /// How experiments write it.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::Microsecond => "us",
-            unit => unit.symbol(),
-        }
+        Self::NAMES[self as usize].0
     }
 
     /// Its length in s.

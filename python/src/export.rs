@@ -55,15 +55,9 @@ impl Order {
     ) -> PyResult<Self> {
         let kinds = [("inverse", Kind::Inverse), ("forward", Kind::Forward)];
         let kind = kind.map(|kind| choice("kind", kind, &kinds)).transpose()?;
-        let targets = [
-            ("c", Target::C),
-            ("rust", Target::Rust),
-            ("mjcf", Target::Mjcf),
-            ("urdf", Target::Urdf),
-            ("sdf", Target::Sdf),
-            ("fmu", Target::Fmu(kind.unwrap_or(Kind::Inverse))),
-        ];
-        let target = choice("target", target, &targets)?;
+        // The last is of drives, which no model of torques is.
+        let targets = Target::NAMES.map(|(name, _, target)| (name, target));
+        let target = choice("target", target, &targets[..targets.len() - 1])?.of_kind(kind);
         match (target, kind) {
             (Target::Fmu(_), None) => {
                 return Err(refused("the target \"fmu\" needs kind=\"inverse\" or kind=\"forward\""));
@@ -71,11 +65,7 @@ impl Order {
             (Target::Fmu(_), Some(_)) | (_, None) => {}
             (_, Some(_)) => return Err(refused("kind is of the target \"fmu\" alone; leave it out")),
         }
-        let format = match target {
-            Target::Mjcf => Some(Format::Mjcf),
-            Target::Urdf => Some(Format::Urdf),
-            _ => None,
-        };
+        let format = target.format();
         if into.is_some() && format.is_none() {
             return Err(refused("into is of the targets \"mjcf\" and \"urdf\" alone; leave it out"));
         }

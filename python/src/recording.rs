@@ -13,6 +13,7 @@ use crate::{
     arrays::{Matrix, Stamps, samples_by_joint, times, vector},
     error::{raised, refused},
     frames, pickled,
+    settings::choice,
 };
 
 /// Stamps, positions, velocities, measurements, and the rest.
@@ -30,23 +31,8 @@ pub struct Recording {
     pub inner: Arc<aurt_recording::Recording>,
 }
 
-const ANGLES: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
-const TIMES: [(&str, TimeUnit); 4] = [
-    ("s", TimeUnit::Second),
-    ("ms", TimeUnit::Millisecond),
-    ("us", TimeUnit::Microsecond),
-    ("ns", TimeUnit::Nanosecond),
-];
-
-/// The unit that a user named.
-fn unit_of(unit: Option<&str>) -> PyResult<Option<MeasurementUnit>> {
-    match unit {
-        None => Ok(None),
-        Some("Nm") => Ok(Some(MeasurementUnit::NewtonMetre)),
-        Some("A") => Ok(Some(MeasurementUnit::Ampere)),
-        Some(other) => Err(refused(format!("unit is `{other}`; it must be \"Nm\" or \"A\""))),
-    }
-}
+const UNITS: [(&str, MeasurementUnit); 2] =
+    [("Nm", MeasurementUnit::NewtonMetre), ("A", MeasurementUnit::Ampere)];
 
 /// A column: its number from 0, or its name.
 #[derive(FromPyObject)]
@@ -102,16 +88,6 @@ fn selection(columns: Option<&Bound<'_, PyDict>>) -> PyResult<ColumnSelection> {
     Ok(selection)
 }
 
-/// The choice of a user among names.
-fn choice<T: Copy>(what: &str, given: Option<&str>, known: &[(&str, T)]) -> PyResult<Option<T>> {
-    let Some(given) = given else { return Ok(None) };
-    let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
-    let found = known.iter().find(|(name, _)| *name == given);
-    let found =
-        found.ok_or_else(|| refused(format!("{what} is `{given}`; it must be {}", names.join(", "))))?;
-    Ok(Some(found.1))
-}
-
 #[pymethods]
 impl Recording {
     /// From arrays (stamps in s, as dates or durations; positions, velocities and measurements with a row for each sample),
@@ -155,7 +131,7 @@ impl Recording {
         angle: Option<&str>,
         time: Option<&str>,
     ) -> PyResult<Self> {
-        let unit = unit_of(unit)?;
+        let unit = unit.map(|word| choice("unit", word, &UNITS)).transpose()?;
         let Some(q) = q else {
             if dq.is_some() || tau.is_some() || current.is_some() {
                 return Err(PyTypeError::new_err("dq, tau and current need q, the positions"));
@@ -165,8 +141,8 @@ impl Recording {
                 needs_measurement: false,
                 columns: selection(columns)?,
                 recorded: RecordedAs {
-                    angle: choice("angle", angle, &ANGLES)?,
-                    time: choice("time", time, &TIMES)?,
+                    angle: angle.map(|word| choice("angle", word, &AngleUnit::NAMES)).transpose()?,
+                    time: time.map(|word| choice("time", word, &TimeUnit::NAMES)).transpose()?,
                     topic,
                     joint_names,
                     ..RecordedAs::default()

@@ -36,14 +36,6 @@ impl Given<'_, '_> {
     pub fn settings(self) -> PyResult<Settings> {
         let list =
             |name, given: Option<&Bound<'_, PyAny>>| given.map(|given| vector(name, given)).transpose();
-        let estimators = [
-            ("wls", Estimator::Wls),
-            ("ols", Estimator::Ols),
-            ("consistent", Estimator::Consistent),
-            ("essential", Estimator::Essential),
-            ("irls", Estimator::Irls),
-        ];
-        let load_torques = [("fitted", LoadTorqueChoice::Fitted), ("literal", LoadTorqueChoice::Literal)];
         let standard = Settings::default();
         Ok(Settings {
             preprocessing: PreprocessOptions {
@@ -64,9 +56,9 @@ impl Given<'_, '_> {
                 delay_s: list("delay_s", self.delay_s)?,
             },
             calibration: CalibrationOptions {
-                estimator: choice("estimator", self.estimator, &estimators)?,
-                load_torque: choice("load_torque", self.load_torque, &load_torques)?,
-                rest: choice("rest", self.rest, &[("keep", Rest::Keep), ("exclude", Rest::Exclude)])?,
+                estimator: choice("estimator", self.estimator, &Estimator::NAMES)?,
+                load_torque: choice("load_torque", self.load_torque, &LoadTorqueChoice::NAMES)?,
+                rest: choice("rest", self.rest, &Rest::NAMES)?,
                 rest_velocity_rad_s: self.rest_velocity_rad_s,
                 fit_shapes: self.fit_shapes,
                 ..standard.calibration

@@ -5,10 +5,9 @@ use std::{path::PathBuf, sync::Arc};
 use aurt::{
     Role,
     data::Source,
-    fitting::{Assigned, Detail, Job},
+    fitting::{Assigned, Detail},
     origins::Origins,
 };
-use aurt_calibration::TermScopes;
 use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFile, Outputs, distinct},
@@ -74,13 +73,7 @@ impl Calibrate {
         distinct(&[("--out-params", params.path()), ("--out-calibrated-model", calibrated_model.path())])?;
 
         let (model, notes) = model_under_gravity(&session.registry, &self.model, self.gravity)?;
-        let job = Job {
-            model,
-            preprocessing: self.fitting.preprocessing(),
-            instrument: self.fitting.instrument(),
-            options: self.fitting.calibration(),
-            scopes: TermScopes::default(),
-        };
+        let job = self.fitting.job(model);
         let progress = terminal.progress(3 * self.data.len() + 1);
         let sources: Vec<Source> = self.data.iter().map(|f| self.reading.source(f)).collect();
         let together = Bytes::of_files(self.data.iter().map(PathBuf::as_path));
@@ -101,12 +94,7 @@ impl Calibrate {
         outputs.file(&calibrated_model, calibrated.to_file()?);
         outputs.write()?;
 
-        let results = Results {
-            model: &calibrated.model,
-            calibration: &calibrated.calibration,
-            notes: &notes,
-            recordings: &outcome.recordings,
-        };
+        let results = Results::of(&outcome, &notes);
         let written = [params.path(), calibrated_model.path()];
         let mut json = results.to_json();
         json["command"] = json!("calibrate");

@@ -6,9 +6,8 @@ use std::path::PathBuf;
 use aurt::{
     Role,
     data::{Loaded, Source},
-    fitting::{Assigned, Detail, Job},
+    fitting::{Assigned, Detail},
 };
-use aurt_calibration::TermScopes;
 use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFile, Outputs, distinct},
@@ -92,13 +91,7 @@ impl CalibrateValidate {
         ])?;
 
         let (model, notes) = model_under_gravity(&session.registry, &self.model, self.gravity)?;
-        let job = Job {
-            model,
-            preprocessing: self.fitting.preprocessing(),
-            instrument: self.fitting.instrument(),
-            options: self.fitting.calibration(),
-            scopes: TermScopes::default(),
-        };
+        let job = self.fitting.job(model);
         let progress = terminal.progress(6);
         let whole = job.read([self.reading.source(&self.data)], [], &progress)?;
         let assigned: Vec<Assigned> =
@@ -118,12 +111,7 @@ impl CalibrateValidate {
             outputs.file(&prediction, contents);
         }
 
-        let results = Results {
-            model: &calibrated.model,
-            calibration: &calibrated.calibration,
-            notes: &notes,
-            recordings: &outcome.recordings,
-        };
+        let results = Results::of(&outcome, &notes);
         let mut json = results.to_json();
         let page = reports::calibration::page("calibrate-validate", &results, None, &json);
         outputs.file(&report, page.to_html().into_bytes());

@@ -2,15 +2,18 @@
 
 use std::path::Path;
 
-use aurt::data::{Instrument, Preprocessing, Source};
-use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
+use aurt::{
+    data::{Instrument, Preprocessing, Source},
+    fitting::Job,
+};
+use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
 use aurt_experiment::experiment::numbered_columns;
 use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef, RecordedAs};
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotModel};
 use clap::Args;
 use serde::Deserialize;
 
-use crate::values::{Choice, Constants, choice, parse_positive, parse_torque_constants};
+use crate::values::{Choice, Constants, choice, parse_positive, parse_torque_constants, word};
 
 /// How to read recordings.
 #[derive(Debug, Args)]
@@ -90,50 +93,36 @@ pub struct FittingOptions {
     #[arg(long, value_name = "K K …", value_parser = parse_torque_constants, allow_hyphen_values = true)]
     torque_constants: Option<Constants>,
     /// Least-squares weights: 1/σ² of each joint, or all alike
-    #[arg(long, value_parser = choice(ESTIMATORS), default_value = "wls")]
+    #[arg(long, value_parser = word(&Estimator::NAMES), default_value = "wls")]
     estimator: Estimator,
     /// Load torque of load-dependent friction: from a first fit, or the paper's sum of the regressor row
-    #[arg(long, value_parser = choice(LOAD_TORQUES), default_value = "fitted")]
+    #[arg(long, value_parser = word(&LoadTorqueChoice::NAMES), default_value = "fitted")]
     load_torque: LoadTorqueChoice,
     /// Samples at which a joint rests
-    #[arg(long, value_parser = choice(RESTS), default_value = "keep")]
+    #[arg(long, value_parser = word(&Rest::NAMES), default_value = "keep")]
     rest: Rest,
 }
 
-const ESTIMATORS: &[Choice<Estimator>] = &[
-    ("wls", "", Estimator::Wls),
-    ("ols", "", Estimator::Ols),
-    ("consistent", "", Estimator::Consistent),
-    ("essential", "", Estimator::Essential),
-    ("irls", "", Estimator::Irls),
-];
-const LOAD_TORQUES: &[Choice<LoadTorqueChoice>] =
-    &[("fitted", "", LoadTorqueChoice::Fitted), ("literal", "", LoadTorqueChoice::Literal)];
-const RESTS: &[Choice<Rest>] = &[("keep", "", Rest::Keep), ("exclude", "", Rest::Exclude)];
-
 impl FittingOptions {
-    pub fn preprocessing(&self) -> Preprocessing {
-        Preprocessing {
-            sample_rate_hz: self.sample_rate_hz,
-            rest_velocity_rad_s: self.rest_velocity_rad_s,
-            ..Preprocessing::new(self.f_dyn_hz)
-        }
-    }
-
-    pub fn instrument(&self) -> Instrument {
+    /// The calibration of a model.
+    pub fn job(&self, model: RobotModel) -> Job {
         let torque_constants_nm_per_a = self.torque_constants.as_ref().map(|Constants(k)| k.clone());
-        Instrument { torque_constants_nm_per_a, ..Instrument::default() }
-    }
-
-    /// How coefficients are found.
-    pub const fn calibration(&self) -> CalibrationOptions {
-        CalibrationOptions {
-            estimator: self.estimator,
-            load_torque: self.load_torque,
-            rest: self.rest,
-            rest_velocity_rad_s: self.rest_velocity_rad_s,
-            fit_shapes: true,
-            deviations: Deviations::Memory,
+        Job {
+            model,
+            preprocessing: Preprocessing {
+                sample_rate_hz: self.sample_rate_hz,
+                rest_velocity_rad_s: self.rest_velocity_rad_s,
+                ..Preprocessing::new(self.f_dyn_hz)
+            },
+            instrument: Instrument { torque_constants_nm_per_a, ..Instrument::default() },
+            options: CalibrationOptions {
+                estimator: self.estimator,
+                load_torque: self.load_torque,
+                rest: self.rest,
+                rest_velocity_rad_s: self.rest_velocity_rad_s,
+                ..CalibrationOptions::default()
+            },
+            scopes: TermScopes::default(),
         }
     }
 }

@@ -12,7 +12,7 @@ use aurt_experiment::workbench::{
 };
 use aurt_plugins::model::model_file::read_json;
 use aurt_report::rendering::text::wrapped;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
 use super::Session;
@@ -42,8 +42,8 @@ use crate::{
     aurt export isaac drive_calibrated.json --name my_robot --experiment servo.toml --out exported_isaac")]
 pub struct Export {
     /// Target of the export
-    #[arg(value_enum)]
-    target: TargetName,
+    #[arg(value_parser = choice(&Target::NAMES))]
+    target: Target,
     /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`; for `mjcf` drives as well, with a script for what
     /// MuJoCo cannot express
     #[arg(value_name = "MODEL")]
@@ -78,25 +78,6 @@ pub struct Export {
     force: bool,
 }
 
-/// A target of an export.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum TargetName {
-    /// C99 header and source, and a program that checks them
-    C,
-    /// Rust crate without dependencies, and a test that checks it
-    Rust,
-    /// MuJoCo model
-    Mjcf,
-    /// URDF file
-    Urdf,
-    /// SDF file
-    Sdf,
-    /// Functional mock-up unit, FMI co-simulation
-    Fmu,
-    /// Actuators of Isaac Lab, of drives
-    Isaac,
-}
-
 const KINDS: &[Choice<Kind>] = &[
     ("inverse", "Torques or currents of a motion", Kind::Inverse),
     ("forward", "The motion that torques or currents make", Kind::Forward),
@@ -105,14 +86,14 @@ const FMI: &[Choice<u32>] = &[("2", "FMI 2.0", 2)];
 
 impl Export {
     fn target(&self) -> Result<Target, Failure> {
-        if self.target != TargetName::Isaac && self.experiment.is_some() {
+        if self.target != Target::Isaac && self.experiment.is_some() {
             return Err(Failure::argument(
                 "--experiment",
                 "is of the target `isaac` alone",
                 "leave it out, or export to `isaac`",
             ));
         }
-        if self.target != TargetName::Fmu {
+        if !matches!(self.target, Target::Fmu(_)) {
             for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
                 if given {
                     return Err(Failure::argument(
@@ -123,29 +104,15 @@ impl Export {
                 }
             }
         }
-        Ok(match self.target {
-            TargetName::C => Target::C,
-            TargetName::Rust => Target::Rust,
-            TargetName::Mjcf => Target::Mjcf,
-            TargetName::Urdf => Target::Urdf,
-            TargetName::Sdf => Target::Sdf,
-            TargetName::Isaac => Target::Isaac,
-            TargetName::Fmu => Target::Fmu(self.kind.unwrap_or(Kind::Inverse)),
-        })
+        Ok(self.target.of_kind(self.kind))
     }
 
     /// The user's file, if the target corrects one.
     fn original(&self) -> Result<Option<(&PathBuf, Format)>, Failure> {
         let Some(file) = &self.into else { return Ok(None) };
-        match self.target {
-            TargetName::Mjcf => Ok(Some((file, Format::Mjcf))),
-            TargetName::Urdf => Ok(Some((file, Format::Urdf))),
-            _ => Err(Failure::argument(
-                "--into",
-                "is of the targets `mjcf` and `urdf` alone",
-                "leave it out, or export to one of these",
-            )),
-        }
+        let reason = "is of the targets `mjcf` and `urdf` alone";
+        let refusal = || Failure::argument("--into", reason, "leave it out, or export to one of these");
+        Ok(Some((file, self.target.format().ok_or_else(refusal)?)))
     }
 
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {

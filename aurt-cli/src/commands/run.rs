@@ -151,12 +151,7 @@ impl Written {
         let calibrated = &outcome.calibrated;
         let mut notes = experiment.robot.geometry.notes();
         notes.extend(experiment.notes.clone());
-        let results = Results {
-            model: &calibrated.model,
-            calibration: &calibrated.calibration,
-            notes: &notes,
-            recordings: &outcome.recordings,
-        };
+        let results = Results::of(outcome, &notes);
         let mut metrics = results.to_json();
         let page = reports::calibration::page(command, &results, Some(&experiment.source_text), &metrics);
         let files = vec![

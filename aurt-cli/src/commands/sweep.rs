@@ -19,7 +19,7 @@ use super::{
     run::{delivered, written_text},
 };
 use crate::rendering::terminal::Report;
-use crate::values::{Choice, choice};
+use crate::values::word;
 
 /// Fit many variants of an experiment and rank them by their held-out error.
 ///
@@ -112,11 +112,11 @@ struct Show {
     #[arg(long)]
     csv: bool,
     /// Rows that errors are taken over: all while the robot is in motion, or those at which the joint moves
-    #[arg(long, value_parser = choice(ROWS), default_value = "all")]
+    #[arg(long, value_parser = word(&ROWS), default_value = "all")]
     rows: Rows,
 }
 
-const ROWS: &[Choice<Rows>] = &[("all", "", Rows::All), ("moving", "", Rows::Moving)];
+const ROWS: [(&str, Rows); 2] = [("all", Rows::All), ("moving", Rows::Moving)];
 
 impl Sweep {
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {

@@ -13,14 +13,8 @@ pub(super) fn read(
     driven: bool,
 ) -> (CalibrationOptions, Option<f64>) {
     let estimator_node = section.take("estimator");
-    let estimators = [
-        ("wls", Some(Estimator::Wls)),
-        ("ols", Some(Estimator::Ols)),
-        ("consistent", Some(Estimator::Consistent)),
-        ("essential", Some(Estimator::Essential)),
-        ("irls", Some(Estimator::Irls)),
-        ("output_error", None),
-    ];
+    let mut estimators = Estimator::NAMES.map(|(name, estimator)| (name, Some(estimator))).to_vec();
+    estimators.push(("output_error", None));
     let estimator = section.choice("estimator", &estimators);
     if let Some(node) = estimator_node.filter(|_| estimator.is_some()) {
         match (estimator == Some(None), driven) {
@@ -40,11 +34,8 @@ pub(super) fn read(
         }
     }
     let estimator = estimator.flatten().unwrap_or_default();
-    let load_torque = section.choice(
-        "load_torque",
-        &[("fitted", LoadTorqueChoice::Fitted), ("literal", LoadTorqueChoice::Literal)],
-    );
-    let rest = section.choice("rest", &[("keep", Rest::Keep), ("exclude", Rest::Exclude)]);
+    let load_torque = section.choice("load_torque", &LoadTorqueChoice::NAMES);
+    let rest = section.choice("rest", &Rest::NAMES);
     let fit_shapes = section.boolean("fit_shapes");
     let prior = section.take("prior").filter(|node| is_usable(&section, node, estimator, robot));
     let weight_node = section.take("prior_weight");

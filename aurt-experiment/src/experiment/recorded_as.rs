@@ -7,21 +7,14 @@ use super::section::Section;
 pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
     [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 
-const ANGLE: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
-const TIME: [(&str, TimeUnit); 4] = [
-    ("s", TimeUnit::Second),
-    ("ms", TimeUnit::Millisecond),
-    ("us", TimeUnit::Microsecond),
-    ("ns", TimeUnit::Nanosecond),
-];
 const DROP: [(&str, DroppedRows); 1] = [("nan", DroppedRows::NotANumber)];
 const CURRENT: [(&str, CurrentUnit); 2] = [("A", CurrentUnit::Ampere), ("mA", CurrentUnit::Milliampere)];
 
 /// The keys that say how a file was recorded: in `[recordings]` for all files, in the table of a file for that one.
 pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
     let angle_node = section.take("angle");
-    let angle = section.choice("angle", &ANGLE);
-    let time = section.choice("time", &TIME);
+    let angle = section.choice("angle", &AngleUnit::NAMES);
+    let time = section.choice("time", &TimeUnit::NAMES);
     let current = section.choice("current", &CURRENT);
     let rate_hz = section.positive("rate_hz");
     let counts_per_revolution = per_joint(section, "counts_per_revolution");

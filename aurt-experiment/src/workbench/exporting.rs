@@ -181,15 +181,37 @@ fn same_file(a: &Path, b: &Path) -> bool {
 }
 
 impl Target {
-    pub const fn name(self) -> &'static str {
+    /// All of them as users write them, with what they are; an FMU is of inverse dynamics unless something else is asked for.
+    pub const NAMES: [(&str, &str, Self); 7] = [
+        ("c", "C99 header and source, and a program that checks them", Self::C),
+        ("rust", "Rust crate without dependencies, and a test that checks it", Self::Rust),
+        ("mjcf", "MuJoCo model", Self::Mjcf),
+        ("urdf", "URDF file", Self::Urdf),
+        ("sdf", "SDF file", Self::Sdf),
+        ("fmu", "Functional mock-up unit, FMI co-simulation", Self::Fmu(Kind::Inverse)),
+        ("isaac", "Actuators of Isaac Lab, of drives", Self::Isaac),
+    ];
+
+    pub fn name(self) -> &'static str {
+        let is_it = |other: &Self| std::mem::discriminant(other) == std::mem::discriminant(&self);
+        Self::NAMES.iter().find(|(.., target)| is_it(target)).map_or("", |(name, ..)| name)
+    }
+
+    /// The same; of an FMU, what it computes.
+    #[must_use]
+    pub const fn of_kind(self, kind: Option<Kind>) -> Self {
+        match (self, kind) {
+            (Self::Fmu(_), Some(kind)) => Self::Fmu(kind),
+            (target, _) => target,
+        }
+    }
+
+    /// The format of a user's file that the target can correct.
+    pub const fn format(self) -> Option<Format> {
         match self {
-            Self::C => "c",
-            Self::Mjcf => "mjcf",
-            Self::Rust => "rust",
-            Self::Urdf => "urdf",
-            Self::Sdf => "sdf",
-            Self::Fmu(..) => "fmu",
-            Self::Isaac => "isaac",
+            Self::Mjcf => Some(Format::Mjcf),
+            Self::Urdf => Some(Format::Urdf),
+            _ => None,
         }
     }
 }

@@ -185,7 +185,12 @@ pub(crate) fn filter(
     if rate_hz < LOGGED_HZ[0] {
         let [low, high] = LOGGED_HZ;
         let is_logged = |unit: &TimeUnit| (low..high).contains(&(rate_hz / unit.seconds()));
-        let unit = TimeUnit::ALL.into_iter().find(is_logged).unwrap_or(TimeUnit::Millisecond).key();
+        let unit = TimeUnit::NAMES
+            .map(|(_, unit)| unit)
+            .into_iter()
+            .find(is_logged)
+            .unwrap_or(TimeUnit::Millisecond)
+            .key();
         remedy.push_str(&format!(
             ". So low a rate also comes from time stamps that are not in seconds: if so, write `time = \"{unit}\"` in \
              `[recordings]`"

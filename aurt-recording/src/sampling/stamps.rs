@@ -78,7 +78,7 @@ impl Recording {
                 !is_logged(rate_hz) && is_logged(rate_hz / factor) && speed / factor < IMPOSSIBLE_SPEED;
             *unit != read_in && !agrees && (by_velocity || by_motion)
         };
-        let unit = TimeUnit::ALL.into_iter().find(candidate)?;
+        let unit = TimeUnit::NAMES.map(|(_, unit)| unit).into_iter().find(candidate)?;
         Some(StampUnit { read_in, unit, rate_hz, speed, velocity_ratio })
     }
 
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn other_units_show_with_velocities_and_without() {
         for with_velocity in [false, true] {
-            for unit in TimeUnit::ALL {
+            for (_, unit) in TimeUnit::NAMES {
                 let found = recording(unit.seconds(), with_velocity).stamp_unit(TimeUnit::Second);
                 let expected = (unit != TimeUnit::Second).then_some(unit);
                 assert_eq!(found.map(|f| f.unit), expected, "{found:?}");

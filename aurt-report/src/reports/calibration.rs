@@ -1,6 +1,6 @@
 //! The page of a calibrated model: `aurt run`, `aurt calibrate-validate`, `aurt demo`.
 
-use aurt::{CalibratedModel, Outcome, RecordingResult, Role};
+use aurt::{Outcome, RecordingResult, Role};
 use aurt_calibration::Comparison;
 use aurt_files::output::pretty;
 use serde_json::Value;
@@ -17,9 +17,8 @@ use crate::{
     table::{Cell, Table},
 };
 
-pub fn of_outcome(Outcome { calibrated, recordings, .. }: &Outcome) -> Page {
-    let CalibratedModel { model, calibration, .. } = calibrated;
-    let results = Results { model, calibration, notes: &[], recordings };
+pub fn of_outcome(outcome: &Outcome) -> Page {
+    let results = Results::of(outcome, &[]);
     page("calibrate", &results, None, &results.to_json())
 }
 

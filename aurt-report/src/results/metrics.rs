@@ -1,9 +1,10 @@
 //! `metrics.json`, and the same numbers as tables on the terminal.
 
-use aurt::RecordingResult;
-use aurt_calibration::{Calibration, Estimator, LoadTorqueChoice, Metrics, Rest, Validation};
+use aurt::{CalibratedModel, Outcome, RecordingResult};
+use aurt_calibration::{Calibration, Metrics, Rest, Validation};
 use aurt_traits::{RobotModel, RobotNames};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::shapes;
 use crate::rendering::{
@@ -23,6 +24,13 @@ pub struct Results<'a> {
     pub recordings: &'a [RecordingResult],
 }
 
+impl<'a> Results<'a> {
+    pub fn of(outcome: &'a Outcome, notes: &'a [String]) -> Self {
+        let CalibratedModel { model, calibration, .. } = &outcome.calibrated;
+        Self { model, calibration, notes, recordings: &outcome.recordings }
+    }
+}
+
 impl Results<'_> {
     pub fn names(&self) -> RobotNames<'_> {
         self.model.names()
@@ -35,9 +43,9 @@ impl Results<'_> {
             "base_parameters": self.model.base().len(),
             "parameters": self.model.parameters().len(),
             "condition_number": self.calibration.condition_number,
-            "load_torque": load_torque(options.load_torque),
-            "estimator": estimator(options.estimator),
-            "rest": rest(options.rest),
+            "load_torque": options.load_torque,
+            "estimator": options.estimator,
+            "rest": options.rest,
             "rest_velocity_rad_s": options.rest_velocity_rad_s,
             "f_dyn_hz": self.calibration.f_dyn_hz,
             "sigma": self.calibration.sigma,
@@ -71,28 +79,26 @@ impl Results<'_> {
     }
 
     fn recording_json(&self, recording: &RecordingResult) -> Value {
-        let validation = &recording.validation;
-        let mut entries = Map::new();
-        entries.insert("file".into(), json!(recording.label));
-        entries.insert("role".into(), json!(recording.role.name()));
+        let Validation { samples, all, moving, warnings, .. } = &recording.validation;
+        let mut entries = json!({
+            "file": recording.label,
+            "role": recording.role.name(),
+            "samples": samples,
+            "unit": self.calibration.unit.symbol(),
+            "mse": all.mse,
+            "nmse": all.nmse,
+            "nrmse": all.nrmse,
+            "moving": {
+                "samples": moving.samples, "mse": moving.mse, "nmse": moving.nmse, "nrmse": moving.nrmse,
+            },
+            "warnings": warnings,
+            "notes": recording.notes,
+            "prediction": recording.prediction,
+        });
         if let Some(window) = recording.window_s {
-            entries.insert("window_s".into(), json!(window));
+            entries["window_s"] = json!(window);
         }
-        entries.insert("samples".into(), json!(validation.samples));
-        entries.insert("unit".into(), json!(self.calibration.unit.symbol()));
-        let errors = |metrics: &Metrics| {
-            [("mse", &metrics.mse), ("nmse", &metrics.nmse), ("nrmse", &metrics.nrmse)]
-                .map(|(name, values)| (name.to_owned(), json!(values)))
-        };
-        entries.extend(errors(&validation.all));
-        let mut moving = Map::new();
-        moving.insert("samples".into(), json!(validation.moving.samples));
-        moving.extend(errors(&validation.moving));
-        entries.insert("moving".into(), Value::Object(moving));
-        entries.insert("warnings".into(), json!(validation.warnings));
-        entries.insert("notes".into(), json!(recording.notes));
-        entries.insert("prediction".into(), json!(recording.prediction));
-        Value::Object(entries)
+        entries
     }
 
     /// The same for a terminal of 80 columns.
@@ -106,9 +112,9 @@ impl Results<'_> {
             self.model.parameters().len(),
             self.model.base().len(),
             self.calibration.unit.symbol(),
-            estimator(options.estimator).to_uppercase(),
+            word(options.estimator).to_uppercase(),
             rows(&self.calibration.samples_per_joint),
-            load_torque(options.load_torque),
+            word(options.load_torque),
             match options.rest {
                 Rest::Keep => "kept",
                 Rest::Exclude => "excluded",
@@ -237,26 +243,7 @@ fn rows(samples_per_joint: &[usize]) -> String {
     }
 }
 
-const fn load_torque(choice: LoadTorqueChoice) -> &'static str {
-    match choice {
-        LoadTorqueChoice::Fitted => "fitted",
-        LoadTorqueChoice::Literal => "literal",
-    }
-}
-
-const fn estimator(estimator: Estimator) -> &'static str {
-    match estimator {
-        Estimator::Wls => "wls",
-        Estimator::Ols => "ols",
-        Estimator::Consistent => "consistent",
-        Estimator::Essential => "essential",
-        Estimator::Irls => "irls",
-    }
-}
-
-const fn rest(rest: Rest) -> &'static str {
-    match rest {
-        Rest::Keep => "keep",
-        Rest::Exclude => "exclude",
-    }
+/// A choice as experiments write it.
+fn word(choice: impl Serialize) -> String {
+    json!(choice).as_str().unwrap_or_default().to_owned()
 }
