@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::escape;
+use crate::{escape, rendering::table as terminal};
 
 /// A table; columns whose title begins with `<` are set to the left, all others to the right.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -43,6 +43,14 @@ impl Table {
 
     pub fn row<C: Into<Cell>>(&mut self, cells: impl IntoIterator<Item = C>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
+    }
+
+    /// The same for a terminal, without its caption.
+    pub fn to_text(&self) -> String {
+        let mut table = terminal::Table::new(self.columns.iter().map(|c| c.strip_prefix('<').unwrap_or(c)));
+        table.left = self.columns.iter().map(|title| title.starts_with('<')).collect();
+        self.rows.iter().for_each(|row| table.row(row.iter().map(|cell| cell.text.as_str())));
+        table.render()
     }
 
     pub(crate) fn to_html(&self) -> String {

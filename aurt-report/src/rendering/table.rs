@@ -7,7 +7,8 @@ pub struct Table {
     groups: Vec<(usize, String)>,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
-    left_aligned: usize,
+    /// Columns that are aligned to the left.
+    pub(crate) left: Vec<bool>,
     remark: bool,
 }
 
@@ -28,7 +29,7 @@ impl Table {
     }
 
     pub fn left(mut self, columns: usize) -> Self {
-        self.left_aligned = columns;
+        self.left = vec![true; columns];
         self
     }
 
@@ -55,7 +56,8 @@ impl Table {
             }
         }
         let last = widths.len() - 1;
-        if self.left_aligned > last || self.remark {
+        let is_left = |k: usize| self.left.get(k).is_some_and(|left| *left) || (self.remark && k == last);
+        if is_left(last) {
             // The last column takes what is left of the terminal, and wraps.
             let taken = widths[..last].iter().map(|w| w + GAP).sum::<usize>() + GAP;
             widths[last] = widths[last].min(WIDTH.saturating_sub(taken).max(LEAST_REMARK));
@@ -85,7 +87,7 @@ impl Table {
                 let cell = pieces.remove(0);
                 further = pieces;
                 let padding = " ".repeat(w.saturating_sub(width(&cell)));
-                if k < self.left_aligned || (self.remark && k == last) {
+                if is_left(k) {
                     line.push_str(&cell);
                     line.push_str(&padding);
                 } else {

@@ -5,27 +5,11 @@ use aurt_calibration::EssentialReport;
 use crate::{
     figure::{Axis, Figure, Layer, Mark, Panel, Plot, Style},
     page::{Block, Section},
-    rendering::number::significant,
-    results::essential::{shown, status},
-    table::{Cell, Table},
+    results::essential::table,
 };
 
 /// The picture of the loss and the table of the order.
 pub fn section(report: &EssentialReport) -> Section {
-    let mut table = Table::new(
-        "Order of elimination. Bold: kept.",
-        ["<without", "χ² lost", "held-out error, σ²", "growth", "± deviation", "<"],
-    );
-    for step in shown(report) {
-        table.row([
-            Cell { text: step.parameter.clone(), strong: !step.eliminated },
-            Cell::from(significant(step.chi_squared, 3)),
-            Cell::from(significant(step.held_out_error, 5)),
-            Cell::from(significant(step.growth, 2)),
-            Cell::from(significant(step.growth_std, 2)),
-            Cell::from(status(step)),
-        ]);
-    }
     Section {
         title: "Essential parameters".into(),
         introduction: format!(
@@ -34,7 +18,7 @@ pub fn section(report: &EssentialReport) -> Section {
              significantly (5 %, one-sided).",
             report.kept, report.parameters, report.blocks
         ),
-        blocks: vec![Block::Figure(picture(report)), Block::Table(table)],
+        blocks: vec![Block::Figure(picture(report)), Block::Table(table(report))],
     }
 }
 

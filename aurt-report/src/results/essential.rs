@@ -2,24 +2,16 @@
 
 use aurt_calibration::{EssentialReport, EssentialStep};
 
-use crate::rendering::{number::significant, table::Table};
+use crate::{
+    rendering::number::significant,
+    table::{Cell, Table},
+};
 
 /// Eliminations that are shown after the last one that was made.
 const SHOWN_BEYOND: usize = 3;
 
 /// The order of elimination with the loss at each step.
 pub fn to_text(report: &EssentialReport) -> String {
-    let mut table = Table::new(["without", "χ² lost", "held-out error σ²", "growth", "", ""]).left(1).left(6);
-    for step in shown(report) {
-        table.row([
-            step.parameter.clone(),
-            significant(step.chi_squared, 3),
-            significant(step.held_out_error, 5),
-            significant(step.growth, 2),
-            format!("± {}", significant(step.growth_std, 2)),
-            status(step).into(),
-        ]);
-    }
     format!(
         "essential: {} of {} parameters; {} blocks of time, each predicted by a fit to the others; held-out error with all \
          parameters {} σ²\n{}",
@@ -27,16 +19,34 @@ pub fn to_text(report: &EssentialReport) -> String {
         report.parameters,
         report.blocks,
         significant(report.held_out_error, 5),
-        table.render()
+        table(report).to_text()
     )
 }
 
-pub fn shown(report: &EssentialReport) -> impl Iterator<Item = &EssentialStep> {
+pub fn table(report: &EssentialReport) -> Table {
+    let mut table = Table::new(
+        "Order of elimination. Bold: kept.",
+        ["<without", "χ² lost", "held-out error, σ²", "growth", "±", "<"],
+    );
+    for step in shown(report) {
+        table.row([
+            Cell { text: step.parameter.clone(), strong: !step.eliminated },
+            Cell::from(significant(step.chi_squared, 3)),
+            Cell::from(significant(step.held_out_error, 5)),
+            Cell::from(significant(step.growth, 2)),
+            Cell::from(significant(step.growth_std, 2)),
+            Cell::from(status(step)),
+        ]);
+    }
+    table
+}
+
+fn shown(report: &EssentialReport) -> impl Iterator<Item = &EssentialStep> {
     let made = report.steps.iter().filter(|s| s.eliminated).count();
     report.steps.iter().take(made + SHOWN_BEYOND)
 }
 
-pub const fn status(step: &EssentialStep) -> &'static str {
+const fn status(step: &EssentialStep) -> &'static str {
     match (step.eliminated, step.significant) {
         (true, _) => "eliminated",
         (false, true) => "kept: significant",

@@ -1,7 +1,5 @@
 //! The page of a sensitivity: from which size on effects would have been found.
 
-use std::fmt::Write as _;
-
 use aurt_diagnosis::Answer;
 use aurt_files::output::pretty;
 use aurt_report::{
@@ -39,9 +37,19 @@ impl Answered<'_> {
             "What the model leaves, joint by joint",
             format!("{} {}", left.join(", "), real.unit.symbol()),
         ));
-        let mut sections = vec![self.sizes(), self.pictures()];
+        let sizes = section(
+            "Sizes",
+            "A smaller effect may be present and undetected; a larger one would have been detected.",
+            vec![Block::Table(self.sizes())],
+        );
+        let mut sections = vec![sizes, self.pictures()];
         if !self.checks.is_empty() {
-            sections.push(self.checked());
+            sections.push(section(
+                "Checked with whole diagnoses",
+                "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
+                 not.",
+                vec![Block::Table(self.checked())],
+            ));
         }
         Page {
             title: "From which size on effects would have been found".into(),
@@ -85,7 +93,7 @@ impl Answered<'_> {
         sentences
     }
 
-    fn sizes(&self) -> Section {
+    fn sizes(&self) -> Table {
         let mut table = Table::new(
             "Named from: the diagnosis names the effect on the joint in four of five draws. Noticed from: it claims something new \
              there, or says that something has no name.",
@@ -104,11 +112,7 @@ impl Answered<'_> {
                 Cell::from(remark(row.status)),
             ]);
         }
-        section(
-            "Sizes",
-            "A smaller effect may be present and undetected; a larger one would have been detected.",
-            vec![Block::Table(table)],
-        )
+        table
     }
 
     /// One figure for each joint and one for the arm, in units of what the model leaves.
@@ -152,7 +156,7 @@ impl Answered<'_> {
         )
     }
 
-    fn checked(&self) -> Section {
+    fn checked(&self) -> Table {
         let mut table = Table::new(
             "The shape of the first draw in the recordings' own noise, at twice and at half of the size from which on the trials \
              name it.",
@@ -168,56 +172,13 @@ impl Answered<'_> {
                 Cell::from(word(check.named_at_half)),
             ]);
         }
-        section(
-            "Checked with whole diagnoses",
-            "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
-                           not.",
-            vec![Block::Table(table)],
-        )
+        table
     }
 
     pub fn text(&self) -> String {
-        let mut text = format!("{}\n\n", self.verdict().headline);
-        let names = self.subject.names();
-        let places = self.rows.iter().map(|row| place(row.joint, names).chars().count());
-        let width = places.chain(["joint".len()]).max().unwrap_or(0);
-        let _ = writeln!(
-            text,
-            "{:<32} {:>width$} {:>12} {:>12}  {:<9} remark",
-            "effect", "joint", "named from", "noticed from", "unit"
-        );
-        for row in self.rows {
-            let size =
-                |limit: Option<Limit>| limit.map_or_else(|| "-".to_owned(), |l| significant(l.size, 2));
-            let _ = writeln!(
-                text,
-                "{:<32} {:>width$} {:>12} {:>12}  {:<9} {}",
-                row.effect,
-                place(row.joint, names),
-                size(row.named_from),
-                size(row.noticed_from),
-                row.unit,
-                remark(row.status)
-            );
-        }
+        let mut text = format!("{}\n\n{}", self.verdict().headline, self.sizes().to_text());
         if !self.checks.is_empty() {
-            let _ = writeln!(
-                text,
-                "\n{:<32} {:>width$} {:>12}  {:<9} {:<10} half",
-                "checked with whole diagnoses", "joint", "named from", "unit", "twice"
-            );
-        }
-        for check in self.checks {
-            let _ = writeln!(
-                text,
-                "{:<32} {:>width$} {:>12}  {:<9} {:<10} {}",
-                check.effect,
-                place(check.joint, names),
-                significant(check.named_from, 2),
-                check.unit,
-                word(check.named_at_double),
-                word(check.named_at_half)
-            );
+            text += &format!("\nchecked with whole diagnoses\n{}", self.checked().to_text());
         }
         text
     }

@@ -6,8 +6,7 @@ use aurt_calibration::{Drift, DriftGroup, DriftParameter};
 use aurt_files::output::pretty;
 use aurt_report::{
     Axis, Block, Cell, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone, Verdict,
-    rendering::{number::significant, table as terminal},
-    reports::parts,
+    rendering::number::significant, reports::parts,
 };
 use aurt_traits::RobotNames;
 use serde_json::Value;
@@ -43,7 +42,14 @@ pub fn page(tracked: &Tracked, document: &Value) -> Page {
             headline: headline(tracked),
             sentences: tracked.alarms.iter().map(sentence).chain(tracked.notes.iter().cloned()).collect(),
         },
-        sections: vec![charts(tracked), table(tracked)],
+        sections: vec![
+            charts(tracked),
+            section(
+                "Each recording alone",
+                "Friction and gains are relative to the calibrated model's: 0.1 is 10 % more.",
+                vec![Block::Table(table(tracked))],
+            ),
+        ],
         provenance,
         results_json: pretty(document),
     }
@@ -54,15 +60,7 @@ pub fn text(tracked: &Tracked) -> String {
     tracked.alarms.iter().for_each(|alarm| {
         let _ = writeln!(text, "  {}", sentence(alarm));
     });
-    let mut rows =
-        terminal::Table::new(["parameter", "unit", "drift", "95 % interval", "recording"]).left(2).remark();
-    for recording in &tracked.recordings {
-        for (k, drift) in recording.drift.iter().enumerate() {
-            let unit = tracked.parameters[k].unit.clone();
-            rows.row([label(tracked, k), unit, value(drift), interval(drift), recording.recording.clone()]);
-        }
-    }
-    let _ = write!(text, "\n{}", rows.render());
+    let _ = write!(text, "\n{}", table(tracked).to_text());
     tracked.notes.iter().for_each(|note| {
         let _ = writeln!(text, "note: {note}");
     });
@@ -120,28 +118,24 @@ fn interval(drift: &Drift) -> String {
     )
 }
 
-fn table(tracked: &Tracked) -> Section {
+fn table(tracked: &Tracked) -> Table {
     let mut table = Table::new(
         "Change since the unchanged machine; 95 % intervals. Bold: zero lies outside.",
-        ["<recording", "<parameter", "<unit", "drift", "<interval"],
+        ["<parameter", "<unit", "drift", "<95 % interval", "<recording"],
     );
     for recording in &tracked.recordings {
         for (k, drift) in recording.drift.iter().enumerate() {
             let is_off = drift.interval_95.is_some_and(|[low, high]| low > 0.0 || high < 0.0);
             table.row([
-                Cell::from(recording.recording.as_str()),
                 Cell::from(label(tracked, k)),
                 Cell::from(tracked.parameters[k].unit.as_str()),
                 Cell { text: value(drift), strong: is_off },
                 Cell::from(interval(drift)),
+                Cell::from(recording.recording.as_str()),
             ]);
         }
     }
-    section(
-        "Each recording alone",
-        "Friction and gains are relative to the calibrated model's: 0.1 is 10 % more.",
-        vec![Block::Table(table)],
-    )
+    table
 }
 
 /// One figure a group, one panel a parameter.
