@@ -267,7 +267,7 @@ pub fn measured_and(
 }
 
 /// Normal deviates by Box and Muller from a 64-bit linear congruential sequence.
-struct Normal(u64);
+pub struct Normal(pub u64);
 
 impl Normal {
     fn uniform(&mut self) -> f64 {
@@ -275,7 +275,7 @@ impl Normal {
         ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform().ln()).sqrt();
         radius * (TAU * self.uniform()).cos()
     }

@@ -243,11 +243,8 @@ mod tests {
     /// A first-order autoregression of ρ = 0.6 has L = (1 + ρ)/(1 − ρ) = 4, of which four weighted lags show 2.6.
     #[test]
     fn memory_is_seen_over_windows() {
-        let mut state = 1_u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = Random::new(1);
+        let mut noise = || random.uniform() - 0.5;
         let independent: Vec<Vec<f64>> = (0..12).map(|_| (0..200).map(|_| noise()).collect()).collect();
         assert!(memory(&independent) < 1.2, "{}", memory(&independent));
         let mut before = 0.0;

@@ -1,5 +1,6 @@
 //! A chain in which joints follow others: motions are planned for it, and what its model lacks is found.
 
+use aurt::simulation::Random;
 use aurt_rbd::RobotDescription;
 use aurt_rbd::robots::DescribedRobot;
 use aurt_traits::Motion;
@@ -21,22 +22,6 @@ struct Change {
     mass_kg: f64,
     on_link: usize,
     friction_nm: [f64; 3],
-}
-
-/// Normal numbers by the sum of twelve, from a linear congruence (Knuth's MMIX).
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let sum: f64 = (0..12)
-            .map(|_| {
-                self.0 =
-                    self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (self.0 >> 11) as f64 / (1u64 << 53) as f64
-            })
-            .sum();
-        sum - 6.0
-    }
 }
 
 fn robot() -> DescribedRobot {
@@ -62,7 +47,7 @@ fn record(folder: &Folder, name: &str, seed: u64, change: Change) {
     standard[10 * change.on_link + 9] += change.mass_kg;
     let mut torque = vec![0.0; 3 * rows.len()];
     body.torque(motion.view(), &standard, &mut torque, rows.len());
-    let mut noise = Noise(seed);
+    let mut random = Random::new(seed);
     let mut text = String::from("t,q0,q1,q2,tau0,tau1,tau2\n");
     for (k, row) in rows.iter().enumerate() {
         text += &row[0].to_string();
@@ -76,7 +61,7 @@ fn record(folder: &Folder, name: &str, seed: u64, change: Change) {
             let speed = row[4 + j];
             // A jump that is 1 mrad/s wide, as a drive at rest is held.
             let friction = (dry + change.friction_nm[j]) * (speed / 1e-3).tanh() + viscous * speed;
-            text += &format!(",{}", torque[j * rows.len() + k] + friction + NOISE[j] * noise.next());
+            text += &format!(",{}", torque[j * rows.len() + k] + friction + NOISE[j] * random.normal());
         }
         text.push('\n');
     }

@@ -82,6 +82,8 @@ pub fn holm(probabilities: &[Option<f64>], level: f64) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
+    use aurt_simulation::Random;
+
     use super::*;
 
     fn errors(squared: &[f64]) -> JointErrors {
@@ -94,15 +96,8 @@ mod tests {
 
     /// Independent numbers between 0 and 1, the same every time.
     fn uniform(seed: u64, n: usize) -> Vec<f64> {
-        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        (0..n)
-            .map(|_| {
-                state ^= state << 13;
-                state ^= state >> 7;
-                state ^= state << 17;
-                (state >> 11) as f64 / (1u64 << 53) as f64
-            })
-            .collect()
+        let mut random = Random::new(seed);
+        (0..n).map(|_| random.unit()).collect()
     }
 
     #[test]

@@ -150,17 +150,7 @@ fn spectrum(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Uniform pseudo-random numbers between −½ and ½, one after the other from fractional parts.
-    fn random(n: usize) -> Vec<f64> {
-        let mut state = 0.5_f64;
-        (0..n)
-            .map(|_| {
-                state = (state * 97.0 + 0.123_456_789).fract();
-                state - 0.5
-            })
-            .collect()
-    }
+    use crate::noise::Normal;
 
     #[test]
     fn the_band_has_room_where_arms_are_rigid_and_noise_allows_it() {
@@ -202,7 +192,8 @@ mod tests {
         let rate_hz = 500.0;
         let tau = std::f64::consts::TAU;
         for (samples, sigma) in [(6_150, 0.0), (6_150, 1e-5), (6_150, 1e-3), (70_000, 1e-4)] {
-            let noise: Vec<f64> = random(samples + 2).iter().map(|n| sigma * 12.0_f64.sqrt() * n).collect();
+            let mut normal = Normal::new(1);
+            let noise: Vec<f64> = (0..samples + 2).map(|_| sigma * normal.next()).collect();
             let velocity: Vec<f64> = (0..samples)
                 .map(|k| {
                     let own = 0.5 * tau * 0.6 * (tau * 0.6 * k as f64 / rate_hz).cos();

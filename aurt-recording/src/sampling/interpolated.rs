@@ -76,16 +76,15 @@ mod tests {
     use aurt_traits::MeasurementUnit;
 
     use super::*;
+    use crate::noise::Normal;
 
     /// A joint that moves smoothly, with noise in what is measured, interpolated by a factor and rounded to some decimals.
     fn recording(factor: usize, decimals: i32) -> Recording {
-        let mut state = 1_u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
-        let coarse: Vec<[f64; 2]> =
-            (0..400).map(|k| f64::from(k) * 0.01).map(|t| [t.sin(), t.cos() + 0.05 * noise()]).collect();
+        let mut normal = Normal::new(1);
+        let coarse: Vec<[f64; 2]> = (0..400)
+            .map(|k| f64::from(k) * 0.01)
+            .map(|t| [t.sin(), t.cos() + 0.015 * normal.next()])
+            .collect();
         let unit = 10.0_f64.powi(decimals);
         let coarse: Vec<[f64; 2]> = coarse.iter().map(|row| row.map(|v| (v * unit).round() / unit)).collect();
         let at = |k: usize, of: usize| {

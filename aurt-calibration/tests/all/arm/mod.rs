@@ -9,6 +9,8 @@ use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{ArmTerm, JointStack, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
+use crate::known_robot::Normal;
+
 const LENGTH_M: f64 = 0.5;
 const GRAVITY_M_S2: f64 = 9.81;
 
@@ -88,7 +90,7 @@ pub fn recording(
 ) -> NamedRecording {
     let samples = (duration_s * RATE_HZ) as usize;
     let (mut time_s, mut position, mut torque) = (Vec::new(), vec![Vec::new(); 2], vec![Vec::new(); 2]);
-    let mut noise = Noise(0x9E37_79B9_7F4A_7C15);
+    let mut noise = Normal(0x9E37_79B9_7F4A_7C15);
     for k in 0..samples * FINE {
         let t = start_s + k as f64 / (RATE_HZ * FINE as f64);
         let state = sines.map(|s| motion(s, t));
@@ -105,19 +107,4 @@ pub fn recording(
     let recording = Recording::from_arrays(time_s, position).unwrap().named(name);
     let recording = recording.with_measurement(torque, MeasurementUnit::NewtonMetre).unwrap();
     NamedRecording { name: name.into(), data: preprocess(&recording, &PreprocessOptions::new(10.0)).unwrap() }
-}
-
-/// Noise of variance one, the sum of twelve uniform numbers.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
 }

@@ -58,18 +58,9 @@ pub fn reversals(velocity: &[f64], threshold: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use aurt_simulation::Random;
 
-    /// Uniform pseudo-random numbers between −½ and ½, one after the other from fractional parts.
-    fn random(n: usize) -> Vec<f64> {
-        let mut state = 0.5_f64;
-        (0..n)
-            .map(|_| {
-                state = (state * 97.0 + 0.123_456_789).fract();
-                state - 0.5
-            })
-            .collect()
-    }
+    use super::*;
 
     #[test]
     fn rounding_shows() {
@@ -83,7 +74,8 @@ mod tests {
 
     #[test]
     fn noise_is_told_from_motion() {
-        let noise = random(20_000);
+        let mut random = Random::new(1);
+        let noise: Vec<f64> = (0..20_000).map(|_| random.unit() - 0.5).collect();
         // A uniform number between −½ and ½ has a standard deviation of 1/√12.
         let series: Vec<f64> =
             noise.iter().enumerate().map(|(k, n)| 5.0 * (k as f64 * 0.01).sin() + 0.02 * n).collect();

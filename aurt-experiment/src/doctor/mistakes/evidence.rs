@@ -68,25 +68,16 @@ impl Evidence {
 
 #[cfg(test)]
 mod tests {
+    use aurt_simulation::Random;
+
     use super::*;
 
     /// A score of one joint with errors that follow x_k = ρ x_(k−1) + √(1 − ρ²) w_k, of a measurement of 1.
-    fn score(deviation: f64, memory: f64, state: &mut u64) -> Score {
-        let mut noise = || {
-            // Twelve uniform numbers have a variance of one.
-            let sum: f64 = (0..12)
-                .map(|_| {
-                    *state =
-                        state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                    (*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-                })
-                .sum();
-            sum
-        };
-        let mut error = noise();
+    fn score(deviation: f64, memory: f64, random: &mut Random) -> Score {
+        let mut error = random.normal();
         let rows: Vec<Option<[f64; 2]>> = (0..400)
             .map(|_| {
-                error = memory * error + (1.0 - memory * memory).sqrt() * noise();
+                error = memory * error + (1.0 - memory * memory).sqrt() * random.normal();
                 Some([deviation * error, 1.0])
             })
             .collect();
@@ -100,11 +91,11 @@ mod tests {
     /// memory of a few rows too.
     #[test]
     fn equal_setups_are_told_apart_as_often_as_stated() {
-        let mut state = 7;
+        let mut random = Random::new(7);
         for memory in [0.0, 0.5] {
             let wrong = (0..2000)
                 .filter(|_| {
-                    let [a, b] = [0.3, 0.3].map(|deviation| score(deviation, memory, &mut state));
+                    let [a, b] = [0.3, 0.3].map(|deviation| score(deviation, memory, &mut random));
                     Evidence::of([(Some(&a), &b)]).is_some_and(|e| e.is_sure(1))
                 })
                 .count();
@@ -114,8 +105,8 @@ mod tests {
 
     #[test]
     fn the_gain_is_the_logarithm_of_the_ratio_of_errors() {
-        let mut state = 3;
-        let [a, b] = [0.6, 0.3].map(|deviation| score(deviation, 0.5, &mut state));
+        let mut random = Random::new(3);
+        let [a, b] = [0.6, 0.3].map(|deviation| score(deviation, 0.5, &mut random));
         let evidence = Evidence::of([(Some(&a), &b)]).unwrap();
         assert!((evidence.gain - (a.total / b.total).ln()).abs() < 1e-9, "{evidence:?}");
         assert!(evidence.is_sure(1000) && evidence.batches == 20);
