@@ -1,7 +1,6 @@
 //! An experiment on disk, and a loader that reads its recordings.
 
 use std::{
-    fmt::Write,
     fs,
     path::{Path, PathBuf},
 };
@@ -15,6 +14,7 @@ use aurt_experiment::sweep::{
 };
 use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
+use aurt_simulation::{Motion, Robot, Rotors, Scenario, robots::two_link, simulate};
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
@@ -44,9 +44,9 @@ impl Bench {
     /// A bench whose experiment has this `[sweep]`.
     pub fn new(sweep: &str) -> Self {
         let bench = Self { folder: tempfile::tempdir().unwrap() };
-        fs::write(bench.path("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0,0\n").unwrap();
+        fs::write(bench.path("mdh.csv"), arm().mdh_csv()).unwrap();
         for (k, name) in ["a.csv", "b.csv", "c.csv", "d.csv"].into_iter().enumerate() {
-            fs::write(bench.path(name), recording(20.0 * k as f64, k as u64 + 1)).unwrap();
+            fs::write(bench.path(name), recording(k as u64 + 1)).unwrap();
         }
         bench.write(sweep);
         bench
@@ -106,46 +106,18 @@ pub fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// 12 s of a two-link arm in a vertical plane (equations of motion in closed form), with Coulomb friction that grows with
-/// the load and viscous friction, at 200 Hz.
-fn recording(start_s: f64, seed: u64) -> String {
-    let mut text = String::from("time,q_0,q_1,torque_0,torque_1\n");
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut noise = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
-    for k in 0..2400 {
-        let t = f64::from(k) / 200.0;
-        let joint = |sines: [(f64, f64, f64); 3]| {
-            sines.iter().fold([0.0; 3], |[q, v, a], (amplitude, hertz, phase)| {
-                let w = std::f64::consts::TAU * hertz;
-                let (sin, cos) = (w * (start_s + t) + phase).sin_cos();
-                [q + amplitude * sin, v + amplitude * w * cos, a - amplitude * w * w * sin]
-            })
-        };
-        let [q1, v1, a1] = joint([(0.5, 0.13, 0.3), (0.15, 0.41, 1.1), (0.04, 0.93, 2.0)]);
-        let [q2, v2, a2] = joint([(0.4, 0.17, 1.9), (0.2, 0.33, 0.2), (0.05, 0.81, 0.9)]);
-        let coupling = 2.5 * 0.5 * 0.18;
-        let far = 2.5 * 0.18 * 9.81 * (q1 + q2).cos();
-        let m12 = 0.14 + coupling * q2.cos();
-        let m11 = 0.35 + 0.14 + 2.5 * 0.25 + 2.0 * coupling * q2.cos();
-        let rigid = [
-            m11 * a1 + m12 * a2 - coupling * q2.sin() * (2.0 * v1 * v2 + v2 * v2)
-                + (4.0 * 0.22 + 2.5 * 0.5) * 9.81 * q1.cos()
-                + far,
-            m12 * a1 + 0.14 * a2 + coupling * q2.sin() * v1 * v1 + far,
-        ];
-        let torque: Vec<f64> = rigid
-            .iter()
-            .zip([v1, v2])
-            .map(|(load, v)| load + (1.0 + 0.15 * load.abs()) * v.signum() + 2.0 * v + 0.2 * noise())
-            .collect();
-        writeln!(text, "{t},{q1},{q2},{},{}", torque[0], torque[1]).unwrap();
-    }
-    text
+/// A two-link arm in a vertical plane, with Coulomb friction that grows with the load and viscous friction.
+fn arm() -> Robot {
+    let mut robot = two_link().with_rotors(Rotors::InLinks);
+    robot.drives.iter_mut().for_each(|drive| drive.load_coefficient = 0.15);
+    robot
+}
+
+/// 12 s of the arm.
+fn recording(seed: u64) -> Vec<u8> {
+    let motion = Motion::MultiSine { duration_s: 12.0, harmonics: 5, top_hz: 0.8, share: 0.5 };
+    let trajectory = motion.plan(&arm(), seed).unwrap();
+    simulate(&Scenario::new(arm(), trajectory, seed)).unwrap().csv()
 }
 
 /// Reads recordings as an experiment says, without its instrument.
