@@ -98,7 +98,7 @@ pub fn excite<'py>(
             None => {
                 let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
                 let options = ExcitationOptions { sines, tries, torque_limits };
-                let found = simulation::trajectory::excite(&robot, &options, seed, &mut |_, best| {
+                let found = simulation::trajectory::excite(&robot, None, &options, seed, &mut |_, best| {
                     progress.step(format!("condition number {best:.1}"));
                 })?;
                 (found.trajectory, json!(found.condition_number))

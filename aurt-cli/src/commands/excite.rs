@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use aurt_experiment::workbench::{failure::Failure, planned_output::PlannedOutput};
 use aurt_simulation::{
     Motion, Robot, Trajectory,
-    trajectory::{ExcitationOptions, MultiSineOptions, excite, excite_bodies},
+    trajectory::{ExcitationOptions, MultiSineOptions, excite},
 };
 use aurt_traits::RigidBodyRegressor;
 use clap::{Args, ValueEnum};
@@ -163,10 +163,7 @@ impl Excite {
                 };
                 let progress = session.terminal.progress(self.tries);
                 let heard = &mut |_, best: f64| progress.step(format!("condition number {best:.1}"));
-                let found = match bodies {
-                    Some(bodies) => excite_bodies(robot, bodies, &options, self.seed, heard)?,
-                    None => excite(robot, &options, self.seed, heard)?,
-                };
+                let found = excite(robot, bodies, &options, self.seed, heard)?;
                 drop(progress);
                 let condition = [found.first_condition_number, found.condition_number];
                 return Ok((found.trajectory, Some(condition)));

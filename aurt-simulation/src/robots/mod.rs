@@ -154,7 +154,7 @@ impl Robot {
     }
 
     /// A robot of which nothing but the limits is known, for motions whose rigid bodies are elsewhere
-    /// ([`excite_bodies`](crate::trajectory::excite_bodies)).
+    /// ([`excite`](crate::trajectory::excite)).
     #[must_use]
     pub fn of_limits(name: &str, limits: &[MotionLimits]) -> Self {
         Self::of_geometry(name, vec![row(0.0, 0.0, 0.0); limits.len()], [0.0; 3], limits)

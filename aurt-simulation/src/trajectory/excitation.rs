@@ -46,27 +46,21 @@ const ADAPTION: (f64, f64) = (1.4, 0.92);
 /// acceleration, so that only shapes compete. A few are drawn afresh; the best of them is changed at random, a
 /// (1 + 1) evolution strategy.
 ///
+/// `bodies` are rigid bodies that are not the robot's chain, such as those in which joints follow others: of the robot are
+/// then the limits of the joints that move on their own.
+///
 /// # Errors
 /// Options or robots that make no sense, and [`SimulationError::BeyondLimit`] if no candidate stays within the
 /// torque limits.
 pub fn excite(
     robot: &Robot,
+    bodies: Option<&dyn RigidBodyRegressor>,
     options: &ExcitationOptions,
     seed: u64,
     progress: &mut dyn FnMut(usize, f64),
 ) -> Result<Excitation, SimulationError> {
-    excite_bodies(robot, &robot.chain()?, options, seed, progress)
-}
-
-/// The same for rigid bodies that are not the robot's chain, such as one in which joints follow others: of the robot are
-/// the limits of the joints that move on their own.
-pub fn excite_bodies(
-    robot: &Robot,
-    bodies: &dyn RigidBodyRegressor,
-    options: &ExcitationOptions,
-    seed: u64,
-    progress: &mut dyn FnMut(usize, f64),
-) -> Result<Excitation, SimulationError> {
+    let chain = robot.chain()?;
+    let bodies = bodies.unwrap_or(&chain);
     let mut complaints = Complaints::default();
     complaints.within("number of multi-sines that are tried", options.tries as f64, 1.0, 1e6);
     complaints.finish()?;
@@ -202,14 +196,14 @@ mod tests {
     fn search_improves_and_the_seed_decides() {
         let robot = robots::ur10e();
         let mut heard = 0;
-        let found = excite(&robot, &options(120), 1, &mut |done, _| heard = done).unwrap();
+        let found = excite(&robot, None, &options(120), 1, &mut |done, _| heard = done).unwrap();
         assert_eq!(heard, 120);
         assert!(found.condition_number < 0.8 * found.first_condition_number, "{found:?}");
         found.trajectory.check(&robot).unwrap();
         found.trajectory.check_torque(&robot).unwrap();
-        let again = excite(&robot, &options(120), 1, &mut |_, _| ()).unwrap();
+        let again = excite(&robot, None, &options(120), 1, &mut |_, _| ()).unwrap();
         assert_eq!(again.condition_number, found.condition_number);
-        let other = excite(&robot, &options(120), 2, &mut |_, _| ()).unwrap();
+        let other = excite(&robot, None, &options(120), 2, &mut |_, _| ()).unwrap();
         assert_ne!(other.condition_number, found.condition_number);
     }
 
@@ -217,8 +211,8 @@ mod tests {
     fn drives_that_cannot_hold_the_arm_are_said() {
         let mut robot = robots::ur10e();
         robot.drives[1].torque_limit_nm = 1.0;
-        let text = excite(&robot, &options(3), 1, &mut |_, _| ()).unwrap_err().to_string();
+        let text = excite(&robot, None, &options(3), 1, &mut |_, _| ()).unwrap_err().to_string();
         assert!(text.contains("joint 1") && text.contains("torque"), "{text}");
-        assert!(excite(&robots::ur10e(), &options(0), 1, &mut |_, _| ()).is_err());
+        assert!(excite(&robots::ur10e(), None, &options(0), 1, &mut |_, _| ()).is_err());
     }
 }

@@ -9,7 +9,7 @@ mod recorded;
 mod sequence;
 mod velocity_profile;
 
-pub use excitation::{Excitation, ExcitationOptions, excite, excite_bodies};
+pub use excitation::{Excitation, ExcitationOptions, excite};
 pub use multi_sine::MultiSineOptions;
 
 use std::fmt::Debug;

@@ -19,7 +19,7 @@ use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
-use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite_bodies};
+use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
 use rayon::prelude::*;
 
@@ -400,7 +400,7 @@ impl<'a> Planner<'a> {
         let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
         let robot = Robot::of_limits("arm", &self.limits);
         let bodies = &**self.question.model.rigid_body();
-        let found = excite_bodies(&robot, bodies, &options, self.options.seed, &mut |_, _| ());
+        let found = excite(&robot, Some(bodies), &options, self.options.seed, &mut |_, _| ());
         let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
         Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }
