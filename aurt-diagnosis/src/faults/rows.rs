@@ -7,8 +7,9 @@
 //!   and the arm goes on afterwards, the row is an old one. Positions alone that repeat are old if the motion
 //!   before and after makes at least two steps of an encoder in a row's time: a true encoder cannot stand still
 //!   then. So are the rows in which one joint's measurement is stuck (`stuck`).
-//! - *Corrupt*: dropped by the reader, a measurement that leaps away for a single row, or measurements of all joints that are
-//!   zero for a few rows: the message had none.
+//! - *Corrupt*: dropped by the reader, an angle or a measurement that leaps away for a single row (an old row behind a
+//!   lost one repeats nothing, and its angles lag), or measurements of all joints that are zero for a few rows: the message
+//!   had none.
 
 use super::{
     CERTAIN, Fault, log10_poisson_tail, resolution,
@@ -17,7 +18,7 @@ use super::{
 };
 use crate::effects::dropped_samples;
 use crate::parameters::{ParameterValue, Parameters};
-use aurt_recording::{Recording, median_step_s, white_level};
+use aurt_recording::{Recording, median_step_s, white_level, white_level_at};
 use aurt_traits::RobotNames;
 
 /// Faulty rows below this number are not worth a word.
@@ -63,7 +64,7 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     let repeated = mark(&mut spoilt, |k| same_stamp[k]);
     let held_rows = held(recording, &spoilt);
     let mut held = mark(&mut spoilt, |k| held_rows[k]);
-    let corrupt_rows = corrupt(recording);
+    let corrupt_rows = corrupt(recording, &spoilt);
     let corrupt = mark(&mut spoilt, |k| corrupt_rows[k]) + recording.report.dropped_rows;
     let stuck = stuck::find(recording, &spoilt);
     for s in &stuck {
@@ -117,9 +118,11 @@ fn said(recording: &Recording, stuck: &[Stuck]) -> String {
 
 /// Rows that are held or corrupt.
 pub(super) fn unusable(recording: &Recording) -> Vec<bool> {
-    let old = held(recording, &repeated(recording));
-    let mut bad: Vec<bool> =
-        old.into_iter().zip(corrupt(recording)).map(|(old, corrupt)| old || corrupt).collect();
+    let repeated = repeated(recording);
+    let mut bad = held(recording, &repeated);
+    let old: Vec<bool> = bad.iter().zip(&repeated).map(|(held, repeated)| *held || *repeated).collect();
+    let corrupt = corrupt(recording, &old);
+    mark(&mut bad, |k| corrupt[k]);
     for s in stuck::find(recording, &bad) {
         bad[s.rows[0]..s.rows[1]].fill(true);
     }
@@ -263,10 +266,10 @@ fn moves_on(recording: &Recording, steps: Option<&[f64]>, first: usize, end: usi
     })
 }
 
-/// Rows in which a measurement leaps away from both neighbours and is back in the next, or all are zero for a few rows.
-fn corrupt(recording: &Recording) -> Vec<bool> {
+/// Rows in which an angle or a measurement leaps away and is back in the next, or all measurements are zero for a few rows.
+fn corrupt(recording: &Recording, old: &[bool]) -> Vec<bool> {
     let n = recording.samples();
-    let mut found = vec![false; n];
+    let mut found = off_path(recording, old);
     let measurement = recording.measurement.as_deref().unwrap_or_default();
     let silent: Vec<bool> = (0..n).map(|k| measurement.iter().all(|s| s[k] == 0.0)).collect();
     if !measurement.is_empty() && silent.contains(&true) && never_together(measurement, |s, k| s[k] == 0.0) {
@@ -291,6 +294,37 @@ fn corrupt(recording: &Recording) -> Vec<bool> {
             changing.dedup();
             let noise = white_level(&changing).max(resolution(series));
             leaps.filter(|(_, leap)| *leap > SPIKE * noise).for_each(|(k, _)| found[k] = true);
+        }
+    }
+    found
+}
+
+/// Rows in which an angle is off the cubic through the two rows before and the two after it, while the rows beside it are
+/// on theirs without it. Rows known to be old do not count.
+fn off_path(recording: &Recording, old: &[bool]) -> Vec<bool> {
+    let rows: Vec<usize> = (0..old.len()).filter(|k| !old[*k]).collect();
+    let time: Vec<f64> = rows.iter().map(|k| recording.time_s[*k]).collect();
+    let mut found = vec![false; old.len()];
+    for position in &recording.position_rad {
+        let path: Vec<f64> = rows.iter().map(|k| position[*k]).collect();
+        let off = |at: usize, others: [usize; 4]| {
+            let weight = |i: usize| -> f64 {
+                let factors = others.iter().filter(|k| **k != i);
+                factors.map(|k| (time[at] - time[*k]) / (time[i] - time[*k])).product()
+            };
+            (path[at] - others.iter().map(|i| weight(*i) * path[*i]).sum::<f64>()).abs()
+        };
+        let leap_at = |k: usize| {
+            let leap = off(k, [k - 2, k - 1, k + 1, k + 2]);
+            let around = off(k - 1, [k - 3, k - 2, k + 1, k + 2]).max(off(k + 1, [k - 2, k - 1, k + 2, k + 3]));
+            (leap > SPIKE * around).then_some((k, leap))
+        };
+        let mut leaps = (3..path.len().saturating_sub(3)).filter_map(leap_at).peekable();
+        if leaps.peek().is_some() {
+            // A joint that stands still has none, and differs from its path by rounding.
+            let noise = white_level_at(&time, &path).max(resolution(&path));
+            let leaps = leaps.filter(|(_, leap)| noise > 0.0 && *leap > SPIKE * noise);
+            leaps.for_each(|(k, _)| found[rows[k]] = true);
         }
     }
     found

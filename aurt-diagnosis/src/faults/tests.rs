@@ -210,6 +210,32 @@ fn a_spike_is_found_and_a_step_is_not() {
     assert_eq!(effects(&RecordingFaults::find("made", &made)), ["dropped_samples"]);
 }
 
+/// Where a row is lost and the next one has its values, nothing repeats; the angles lag.
+#[test]
+fn old_rows_behind_lost_ones_are_left_out() {
+    let mut made = recording(3, 250.0, 0.0, 0.05, 1e-4);
+    let step = |k: usize| made.position_rad[1][k + 1] - made.position_rad[1][k];
+    let lost: Vec<usize> =
+        (100..4900).step_by(50).filter(|k| step(*k).abs().min(step(k - 1).abs()) > 5e-3).collect();
+    assert!(lost.len() > 20, "{}", lost.len());
+    for k in &lost {
+        for s in made.position_rad.iter_mut().chain(made.measurement.iter_mut().flatten()) {
+            s[*k + 1] = s[*k];
+        }
+    }
+    let rows: Vec<usize> = (0..made.samples()).filter(|k| !lost.contains(k)).collect();
+    made.time_s = picked(&rows, &made.time_s);
+    made.position_rad = made.position_rad.iter().map(|s| picked(&rows, s)).collect();
+    made.measurement = made.measurement.map(|m| m.iter().map(|s| picked(&rows, s)).collect());
+    let found = RecordingFaults::find("made", &made);
+    for kind in ["missing", "corrupt"] {
+        assert_eq!(number(&found.faults[0], kind), lost.len() as f64, "{kind}");
+    }
+    let old: Vec<usize> = (0..rows.len()).filter(|k| found.spoilt[*k]).map(|k| rows[k] - 1).collect();
+    assert_eq!(old, lost);
+    assert_eq!(without_unusable_rows(&made).unwrap().samples(), rows.len() - lost.len());
+}
+
 #[test]
 fn rows_near_clipped_samples_are_marked() {
     let mut clipped = vec![vec![false; 1000]; 2];

@@ -84,7 +84,11 @@ impl<'f> Faulty<'f> {
         joints.dedup();
         let mut present_in: Vec<String> = self.faults.iter().map(|(_, kind)| (*kind).to_owned()).collect();
         present_in.dedup();
-        let is_one = self.faults.iter().all(|(f, _)| f.recording == worst.recording);
+        let mut others: Vec<&str> = self.faults.iter().map(|(f, _)| f.recording.as_str()).collect();
+        others.dedup();
+        others.retain(|name| *name != worst.recording);
+        let is_one = others.is_empty();
+        let also = if is_one { String::new() } else { format!("; fewer in {}", others.join(", ")) };
         let window = match worst.windows_s.as_slice() {
             [only] if is_one => Some(*only),
             _ => None,
@@ -99,7 +103,7 @@ impl<'f> Faulty<'f> {
             recording: is_one.then(|| worst.recording.clone()),
             window_s: window,
             parameters: parameters.collect(),
-            sentence: worst.sentence.clone(),
+            sentence: format!("{}{also}", worst.sentence),
             ..Finding::new(
                 effect,
                 joints,
