@@ -60,7 +60,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("thresholds_rad", Unit::Angle).of(&["1", "2", "3", "4", "5"]),
         Parameter::new("weights_nm", Unit::Torque).of(&["1", "2", "3", "4", "5"]),
     ],
-    delays_friction: true,
+    stays_beside_delays: true,
     propose,
     estimate: Some(estimate),
     ..Effect::FRICTION

@@ -34,6 +34,7 @@ pub static EFFECT: Effect = Effect {
     kind: Kind::Acceleration,
     title: "inertia of the motor's rotor",
     decider: "fast reversals of one joint at a time",
+    stays_beside_delays: true,
     source: include_str!("rotor_inertia.rs"),
     parameters: &[Parameter::new("inertia_kg_m2", Unit::Inertia).never_negative()],
     propose: |context| {

@@ -2,8 +2,10 @@
 
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;
+use crate::evidence::gram::dot;
 use crate::evidence::null::{ByChance, by_chance};
 use crate::evidence::problem::Problem;
+use crate::evidence::refit::Refit;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::divided::ConfirmRows;
@@ -61,37 +63,58 @@ impl Judge<'_> {
     /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: they have equal
     /// sums of their shares of the rows and of the energy of the difference, since where the group does little its rows say
     /// little, and last `shortest_s` or longer where there is time for all. None where there are too few rows to tell.
+    ///
+    /// A recording that differs from the fitted ones in something else says little of the group through the model's errors.
+    /// Then it is judged beside the model with the columns `own` fitted to it anew, if the difference of predictions weighs more there,
+    /// in units of what the model leaves: which of the two it is does not depend on whom the errors favour.
     pub(crate) fn p_confirm(
         &self,
         confirm: &ConfirmRows,
-        all: &[Switch],
+        (own, all): (&[Switch], &[Switch]),
         group: &Group,
         shortest_s: f64,
     ) -> Option<f64> {
         let rest: Vec<Switch> = all.iter().filter(|s| !group.switches.contains(s)).copied().collect();
         let [with, without] =
             [all, &rest].map(|s| (s, weighted_fit(self.problem, s, self.floor).0.coefficients));
-        let errors: Vec<Errors> = confirm
-            .to_judge()
-            .iter()
-            .map(|rows| [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta)))
-            .collect();
         let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
         if rows < FEWEST_PIECES {
             return None;
         }
         let shortest = (shortest_s * mean_rate_hz(confirm.to_judge())).ceil() as usize;
         let shortest = shortest.min(rows / PIECES).max(1);
-        let level = |j: usize| {
-            let left = errors.iter().flat_map(|e| &e[0][j]);
-            (left.map(|e| e * e).sum::<f64>() / rows as f64).max(self.floor[j]).max(f64::MIN_POSITIVE)
-        };
-        let levels: Vec<f64> = (0..self.floor.len()).map(level).collect();
-        let contrasts = errors.iter().zip(confirm.to_judge());
-        let contrasts =
-            contrasts.flat_map(|(e, rows)| (0..rows.rows()).map(|row| Contrast::new(e, row, &levels)));
+        let mut columns: Vec<usize> = own.iter().map(|s| s.column).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        let contrasts = confirm.to_judge().iter().flat_map(|rows| {
+            let errors = [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta));
+            let levels = self.levels(&errors[0]);
+            let weights: Vec<f64> = levels.iter().map(|level| level.recip()).collect();
+            let refit = Refit::new(rows, self.layout, &columns, &weights);
+            let mut freed = errors.clone();
+            freed.iter_mut().for_each(|errors| refit.free(errors));
+            let of_both = [contrasts(&errors, &levels), contrasts(&freed, &self.levels(&freed[0]))];
+            let [as_fitted, anew] =
+                of_both.each_ref().map(|rows| rows.iter().map(|row| row.energy).sum::<f64>());
+            let [judged_as_fitted, judged_anew] = of_both;
+            if anew > as_fitted { judged_anew } else { judged_as_fitted }
+        });
         Some(by_sign(&pieces(&contrasts.collect::<Vec<_>>(), shortest)))
     }
+
+    /// Mean squared errors of a recording, joint by joint, not below the floor.
+    fn levels(&self, errors: &[Vec<f64>]) -> Vec<f64> {
+        let level = |(errors, floor): (&Vec<f64>, &f64)| {
+            (dot(errors, errors) / errors.len().max(1) as f64).max(*floor).max(f64::MIN_POSITIVE)
+        };
+        errors.iter().zip(self.floor).map(level).collect()
+    }
+}
+
+/// The rows of a recording under two models.
+fn contrasts(errors: &Errors, levels: &[f64]) -> Vec<Contrast> {
+    let rows = errors[0].first().map_or(0, Vec::len);
+    (0..rows).map(|row| Contrast::new(errors, row, levels)).collect()
 }
 
 /// Errors of a recording, with a group and without, `[joint][row]`.

@@ -13,6 +13,7 @@ pub(crate) mod linear;
 pub(crate) mod nested;
 pub(crate) mod null;
 pub(crate) mod problem;
+pub(crate) mod refit;
 pub(crate) mod residuals;
 pub(crate) mod total;
 

@@ -316,7 +316,8 @@ fn off_path(recording: &Recording, old: &[bool]) -> Vec<bool> {
         };
         let leap_at = |k: usize| {
             let leap = off(k, [k - 2, k - 1, k + 1, k + 2]);
-            let around = off(k - 1, [k - 3, k - 2, k + 1, k + 2]).max(off(k + 1, [k - 2, k - 1, k + 2, k + 3]));
+            let around =
+                off(k - 1, [k - 3, k - 2, k + 1, k + 2]).max(off(k + 1, [k - 2, k - 1, k + 2, k + 3]));
             (leap > SPIKE * around).then_some((k, leap))
         };
         let mut leaps = (3..path.len().saturating_sub(3)).filter_map(leap_at).peekable();

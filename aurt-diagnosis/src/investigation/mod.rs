@@ -136,12 +136,15 @@ impl Investigation {
     /// Judges what was selected on the rows that confirm.
     pub(crate) fn confirm_chosen(&mut self, question: &Question<'_>) {
         let switches = self.switches();
-        let Self { selection, confirm, groups, layout, partition, problem, rows, floor, .. } = self;
+        let Self {
+            selection, confirm, groups, layout, partition, problem, rows, floor, base_switches, ..
+        } = self;
         let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
         // Four independent samples of white noise behind the parallel filter.
         let shortest_s = 1.0 / question.f_dyn_hz;
         for chosen in &mut selection.chosen {
-            chosen.p_confirm = judge.p_confirm(confirm, &switches, &groups[chosen.group], shortest_s);
+            chosen.p_confirm =
+                judge.p_confirm(confirm, (base_switches, &switches), &groups[chosen.group], shortest_s);
         }
     }
 

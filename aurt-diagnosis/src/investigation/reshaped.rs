@@ -65,7 +65,7 @@ pub(crate) fn reshape_judged(
     layout: &Layout,
     partition: &Partition,
 ) -> Result<(), DiagnosisError> {
-    let lagging = (0..candidates.len()).filter(|k| candidates[*k].effect.delays_friction);
+    let lagging = (0..candidates.len()).filter(|k| candidates[*k].effect.stays_beside_delays);
     let judged: BTreeSet<usize> = chosen.chain(lagging).collect();
     judged
         .into_iter()

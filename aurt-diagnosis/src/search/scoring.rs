@@ -244,6 +244,7 @@ impl Scoring<'_> {
                     && other.effect.is_friction
                     && other.joints == own.joints
                     && *score >= self.options.everyday * best
+                    && self.leaves_open(fit, choice, *g)
             });
             return everyday.map(|(g, _)| *g).or(Some(choice));
         }

@@ -266,7 +266,8 @@ fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
     let all = [switch(0, false), switch(1, false), switch(2, false)];
     let (_, confirm) = FitRows::divide(rows.rows.clone(), &rows.partition);
     let judge = rows.judge(&groups, &options);
-    let [there, not] = [0, 1].map(|k| judge.p_confirm(&confirm, &all, &groups[k], 0.05).unwrap());
+    let [there, not] =
+        [0, 1].map(|k| judge.p_confirm(&confirm, (&all[..1], &all), &groups[k], 0.05).unwrap());
     assert!(there < 0.01 && not > 0.05, "{there} {not}");
 }
 

@@ -92,8 +92,9 @@ pub struct Effect {
     /// Whether a joint can have several of it: ripple has many orders. A second law of friction of the same name with
     /// other shapes mimics what is not among the candidates.
     pub is_repeatable: bool,
-    /// Whether it delays friction at reversals, as a delay of the measurement does.
-    pub delays_friction: bool,
+    /// Whether it is free on every joint while a delay is judged: friction that lags looks like one, and inertia that the model
+    /// lacks, which is at right angles to viscous friction, is explained the better the farther the measurement is shifted.
+    pub stays_beside_delays: bool,
     /// Whether its columns are made of the model's own coefficients, and change with them.
     pub reads_model: bool,
     /// Whether its proposals follow from the baseline's residual, and change with it.
@@ -143,7 +144,7 @@ impl Effect {
         is_whole_arm: false,
         concerns_all_joints: false,
         is_repeatable: false,
-        delays_friction: false,
+        stays_beside_delays: false,
         reads_model: false,
         reads_residual: false,
         generalises: &[],

@@ -2,7 +2,7 @@
 
 /// Squared magnitudes |Σ x_k e^{−2πi km/n}|² for m = 0 … n/2 of a real series whose length n is a power of two, by the
 /// radix-2 transform of Cooley and Tukey (1965).
-pub(super) fn power(series: &[f64]) -> Vec<f64> {
+pub(crate) fn power(series: &[f64]) -> Vec<f64> {
     let n = series.len();
     debug_assert!(n.is_power_of_two());
     let bits = n.trailing_zeros();

@@ -11,6 +11,7 @@ mod response;
 mod spectrum;
 mod white;
 
+pub(crate) use fourier::power;
 #[cfg(test)]
 pub(crate) use fourier::tests::Normal;
 pub use interpolation::{Interpolation, Interpolator};

@@ -1,6 +1,6 @@
 //! The frequencies of a motion, and the f_dyn that suits it.
 
-use crate::noise::velocity_gain;
+use crate::noise::{power, velocity_gain};
 use crate::preprocess::Preprocessed;
 
 const F_DYN_HZ: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, RIGID_HZ];
@@ -114,7 +114,7 @@ fn spectrum(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Vec
     }
     let mean = series.iter().sum::<f64>() / n as f64;
     let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
-    let windowed: Vec<f64> =
+    let mut windowed: Vec<f64> =
         series.iter().enumerate().map(|(k, v)| (v - mean) * (0.5 - 0.5 * turn(k).cos())).collect();
     let block_rate_hz = rate_hz / block as f64;
     // Σ w² of Hann's window is 3n/8.
@@ -132,19 +132,15 @@ fn spectrum(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Vec
         per_psd * aliases.filter(|f| *f > 0.0 && *f <= 0.5 * rate_hz).map(passed).sum::<f64>()
     };
     let reach = 2.0 * (n as f64).ln();
-    let bin = |k: usize| {
-        let frequency_hz = k as f64 * block_rate_hz / n as f64;
-        // Goertzel's recurrence for one bin of the discrete Fourier transform.
-        let (mut before, mut last) = (0.0, 0.0);
-        for v in &windowed {
-            (before, last) = (last, v + 2.0 * turn(k).cos() * last - before);
-        }
-        let power = last * last + before * before - 2.0 * turn(k).cos() * last * before;
+    let length = n.next_power_of_two();
+    windowed.resize(length, 0.0);
+    let bin = |(k, power): (usize, f64)| {
+        let frequency_hz = k as f64 * block_rate_hz / length as f64;
         let above = if power > reach * noise(frequency_hz) { power } else { 0.0 };
         // Half of Parseval's sum, and Hann's window again: the mean square.
-        (frequency_hz, above / (0.1875 * (n * n) as f64))
+        (frequency_hz, above / (0.1875 * (n * length) as f64))
     };
-    (1..n / 2).map(bin).collect()
+    power(&windowed).into_iter().enumerate().take(length / 2).skip(1).map(bin).collect()
 }
 
 #[cfg(test)]
