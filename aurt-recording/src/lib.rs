@@ -107,7 +107,7 @@ pub use recorded_as::{
 };
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
-pub use sampling::{StampUnit, suitable_f_dyn_hz};
+pub use sampling::{StampUnit, quiet_f_dyn_hz, suitable_f_dyn_hz};
 pub use spread::Stretches;
 pub use written::PlannedMotion;
 #[cfg(feature = "parquet")]

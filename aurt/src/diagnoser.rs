@@ -9,7 +9,9 @@ use aurt_diagnosis::{
 };
 use aurt_plugins::Registry;
 use aurt_plugins::model::Error as ModelFileError;
-use aurt_recording::{PreprocessOptions, Recording, RobotJoints, median_step_s, suitable_f_dyn_hz};
+use aurt_recording::{
+    PreprocessOptions, Preprocessed, Recording, RobotJoints, median_step_s, quiet_f_dyn_hz, suitable_f_dyn_hz,
+};
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::Value;
 
@@ -212,8 +214,11 @@ impl Diagnoser {
         let joints = self.joints();
         let loaded: Vec<Loaded> =
             self.parts.iter().map(|part| part.loaded(&joints)).collect::<Result<_, _>>()?;
-        let of_motion = || suitable_hz(&loaded, &joints, preprocessing).unwrap_or(preprocessing.f_dyn_hz);
-        let f_dyn_hz = self.selection.f_dyn_hz.unwrap_or_else(of_motion);
+        let looked = first_look(&loaded, &joints, preprocessing);
+        let f_dyn_hz = match self.selection.f_dyn_hz {
+            Some(asked_hz) => quiet_f_dyn_hz(looked.iter(), asked_hz),
+            None => suitable_f_dyn_hz(looked.iter()).unwrap_or(preprocessing.f_dyn_hz),
+        };
         let preprocessing = &PreprocessOptions { f_dyn_hz, ..preprocessing.clone() };
         let pipeline = Pipeline { joints, preprocessing, instrument };
         SampleRegister::check(
@@ -234,7 +239,7 @@ impl Diagnoser {
             unit,
             f_dyn_hz,
             calibration: *calibration,
-            selection: SelectionOptions { f_dyn_hz: Some(f_dyn_hz), ..self.selection },
+            selection: self.selection,
             without: &self.without,
         };
         let investigation =
@@ -292,8 +297,8 @@ impl Diagnoser {
     }
 }
 
-/// The f_dyn that suits the motion of recordings that are divided and resampled as asked; `None` if nothing moves.
-fn suitable_hz(loaded: &[Loaded], joints: &RobotJoints, asked: &PreprocessOptions) -> Option<f64> {
+/// A first look at recordings that are divided and resampled as asked.
+fn first_look(loaded: &[Loaded], joints: &RobotJoints, asked: &PreprocessOptions) -> Vec<Preprocessed> {
     let rate_hz = |one: &Loaded| Some(1.0 / median_step_s(&one.recording.time_s)?);
     let rates = loaded.iter().filter_map(rate_hz).chain(asked.sample_rate_hz);
     let preprocessing = PreprocessOptions {
@@ -304,9 +309,8 @@ fn suitable_hz(loaded: &[Loaded], joints: &RobotJoints, asked: &PreprocessOption
     let instrument = Instrument::default();
     let pipeline =
         Pipeline { joints: joints.clone(), preprocessing: &preprocessing, instrument: &instrument };
-    let looked: Vec<_> =
-        loaded.iter().filter_map(|one| pipeline.preprocess_as_read(one, Purpose::Calibration).ok()).collect();
-    suitable_f_dyn_hz(looked.iter().map(|one| &one.data))
+    let look = |one| Some(pipeline.preprocess_as_read(one, Purpose::Calibration).ok()?.data);
+    loaded.iter().filter_map(look).collect()
 }
 
 /// The instrument with what was found of it: gains multiply, delays add up.

@@ -164,9 +164,10 @@ impl<'a> Trial<'a> {
         let mut fails: Vec<Vec<String>> = (0..self.groups.len()).map(|i| self.fails(i)).collect();
         for (i, fails) in fails.iter_mut().enumerate() {
             if let Some(p) = self.by_chance(i).filter(|p| *p > most) {
-                fails.push(format!(
-                    "chance alone makes such a finding with a probability of {p:.2}, too large for its rank"
-                ));
+                let is_of_search = self.investigation.selection.chosen[i].p_null == Some(p);
+                let by =
+                    if is_of_search { "makes such a finding" } else { "lowers the held-out errors as much" };
+                fails.push(format!("chance alone {by} with a probability of {p:.2}, too large for its rank"));
             }
         }
         fails

@@ -2,12 +2,12 @@
 
 use aurt_traits::RobotNames;
 
-use crate::recordings::rows::RecordingRows;
+use crate::recordings::rows::{RecordingRows, Role};
 
 /// Velocity scale at which the direction of motion is clear, rad/s.
 const DIRECTION_RAD_S: f64 = 0.02;
 
-/// Names of the features of a joint, in the order of [`of_rows`].
+/// Names of the features of a joint that a remainder can follow, in the order of [`of_rows`].
 pub(super) fn names(joints: usize, joint: usize, robot: RobotNames<'_>) -> Vec<String> {
     let of = |what: &str, k: usize| {
         if k == joint { what.to_owned() } else { format!("{what} of {}", robot.joint(k)) }
@@ -20,7 +20,8 @@ pub(super) fn names(joints: usize, joint: usize, robot: RobotNames<'_>) -> Vec<S
     names
 }
 
-/// The features of a joint's rows, `[feature][row]`; `load_torque` is the rigid bodies' torque at each row.
+/// The features of a joint's rows, `[feature][row]`; `load_torque` is the rigid bodies' torque at each row. The last tells the
+/// calibration recordings from the others: the targets alone may show what is left.
 pub(super) fn of_rows(rows: &RecordingRows, joint: usize, load_torque: Vec<f64>) -> Vec<Vec<f64>> {
     let own = &rows.joints[joint];
     let mut features: Vec<Vec<f64>> = rows.joints.iter().map(|j| j.position_rad.clone()).collect();
@@ -29,6 +30,7 @@ pub(super) fn of_rows(rows: &RecordingRows, joint: usize, load_torque: Vec<f64>)
     features.push(own.velocity_rad_s.iter().map(|v| (v / DIRECTION_RAD_S).tanh()).collect());
     features.push(load_torque);
     features.push(since_reversal(rows, joint));
+    features.push(vec![f64::from(u8::from(rows.role != Role::Calibration)); rows.rows()]);
     features
 }
 

@@ -4,8 +4,9 @@
 //! rows. What they predict there is something that the model lacks, whether it has a name or not; what they do not predict is noise
 //! as far as these recordings show. The features by which they split say what the remainder follows.
 //!
-//! With B, A and R the squared held-out errors of the baseline, of the improved model, and of the improved model with the trees,
-//! (B − A)/(B − R) is the share of what can be predicted that the claims explain, and (A − R)/A the predictable share of the rest.
+//! With B, A and R the squared held-out errors of the baseline, of the improved model, and of the improved model with the trees, and N
+//! that of the measured noise, (B − A)/(B − min(N, R, A)) is the share of what is not noise that the claims explain, and (A − R)/A the
+//! predictable share of the rest.
 
 mod boosting;
 mod features;
@@ -71,8 +72,8 @@ pub struct Remainder {
     pub joint: usize,
     /// What is left beside the claims.
     pub rest: Rest,
-    /// Share of the predictable part of the baseline's squared error that the claims explain; absent without claims or where
-    /// nothing can be predicted.
+    /// Share of the baseline's squared error beyond noise that the claims explain; absent without claims or where there is
+    /// no such error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explained: Option<Share>,
     /// Share of the improved model's squared error that the trees predict; not above zero where they predict nothing.
@@ -106,6 +107,8 @@ pub(crate) struct Residual<'a> {
     pub(crate) after: Vec<Vec<f64>>,
     /// The rigid bodies' torque, `[joint][row]`.
     pub(crate) load_torque: Vec<Vec<f64>>,
+    /// Mean squared noise of each joint.
+    pub(crate) noise: &'a [f64],
 }
 
 /// Rows of a joint: what trees split by, and what they are fitted to.
@@ -119,6 +122,8 @@ pub struct Rows {
     pub after: Vec<f64>,
     /// The stretch of time of each row.
     pub stretch: Vec<usize>,
+    /// Mean squared noise at each row; empty where it is not known.
+    pub noise: Vec<f64>,
 }
 
 impl Rows {
@@ -140,6 +145,7 @@ impl Rows {
                 }
                 rows.before.push(recording.before[joint][row]);
                 rows.after.push(recording.after[joint][row]);
+                rows.noise.push(recording.noise[joint]);
                 rows.stretch.push(first_stretch + row / stretch);
             }
             first_stretch += recording.rows.rows() / stretch + 1;
@@ -152,8 +158,8 @@ impl Rows {
     }
 }
 
-/// Squared errors [B, A, R] of a stretch of a joint's held-out rows.
-type Squares = [f64; 3];
+/// Squared errors [B, A, R] of a stretch of a joint's held-out rows, and noise N.
+type Squares = [f64; 4];
 
 /// The held-out errors of a joint, stretch by stretch, and the share of the trees' gain by each feature.
 #[derive(Debug)]
@@ -184,17 +190,22 @@ pub(crate) fn remainders(
         })
         .collect();
     let in_noise = |judged: &Judged| -> Vec<Squares> {
-        let noise: f64 = judged.stretches.iter().map(|[_, after, rest]| rest.min(*after)).sum();
+        let noise: f64 = judged.stretches.iter().map(noise).sum();
         judged.stretches.iter().map(|squares| squares.map(|s| s / noise.max(f64::MIN_POSITIVE))).collect()
     };
     let all: Vec<Squares> = judged.iter().flatten().flat_map(in_noise).collect();
     (remainders, has_claims.then(|| explained(&all)).flatten())
 }
 
-/// Of what can be predicted of the baseline's error, the share that the improved model predicts; none where nothing can be.
+/// The noise of a stretch: what was measured of it, or less where an error is smaller.
+fn noise([_, after, rest, noise]: &Squares) -> f64 {
+    rest.min(*after).min(*noise)
+}
+
+/// Of the baseline's error beyond noise, the share that the improved model explains; none where there is nothing beyond noise.
 fn explained(stretches: &[Squares]) -> Option<Share> {
-    jackknife(stretches, |[before, after, rest]| 1.0 - rest.min(after) / before).filter(|s| matters(*s))?;
-    jackknife(stretches, |[before, after, rest]| (before - after) / (before - rest.min(after)))
+    jackknife(stretches, |of| 1.0 - noise(&of) / of[0]).filter(|s| matters(*s))?;
+    jackknife(stretches, |of| (of[0] - of[1]) / (of[0] - noise(&of)))
 }
 
 /// Whether a share of a squared error is more than chance and more than a trifle.
@@ -204,7 +215,7 @@ fn matters(share: Share) -> bool {
 
 /// A function of sums over stretches; none where it is no number or there are too few stretches.
 fn jackknife(stretches: &[Squares], of: impl Fn(Squares) -> f64) -> Option<Share> {
-    let sum = stretches.iter().fold([0.0; 3], |all, own| std::array::from_fn(|k| all[k] + own[k]));
+    let sum = stretches.iter().fold([0.0; 4], |all, own| std::array::from_fn(|k| all[k] + own[k]));
     let value = of(sum);
     let without: Vec<f64> =
         stretches.iter().map(|own| of(std::array::from_fn(|k| sum[k] - own[k]))).collect();
@@ -226,7 +237,7 @@ impl Remainder {
             follows: Vec::new(),
         };
         let Some(judged) = judged else { return nothing };
-        let predictable = jackknife(&judged.stretches, |[_, after, rest]| 1.0 - rest / after);
+        let predictable = jackknife(&judged.stretches, |[_, after, rest, _]| 1.0 - rest / after);
         if !predictable.is_some_and(matters) {
             return Self { rest: Rest::Noise, predictable, ..nothing };
         }
@@ -262,13 +273,13 @@ impl Judged {
         let boosted = Boosted::fit(&classes, &own.after, &all, None, Growth { trees, ..growth });
 
         let classes = edges.classes(&other.features);
-        let mut stretches = vec![[0.0; 3]; other.stretch.last().map_or(0, |last| last + 1)];
+        let mut stretches = vec![[0.0; 4]; other.stretch.last().map_or(0, |last| last + 1)];
         for (row, stretch) in other.stretch.iter().enumerate() {
             let (before, after) = (other.before[row], other.after[row]);
             let rest = after - boosted.predict(&classes, row);
-            for (sum, error) in stretches[*stretch].iter_mut().zip([before, after, rest]) {
-                *sum += error * error;
-            }
+            let noise = other.noise.get(row).copied().unwrap_or(f64::INFINITY);
+            let squares = [before * before, after * after, rest * rest, noise];
+            stretches[*stretch].iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
         }
         stretches.retain(|squares| squares[1] > 0.0);
         if stretches.len() < FEWEST_STRETCHES {
@@ -300,14 +311,15 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_of_what_can_be_predicted() {
-        // Of 9 above the noise of 1 the claims explain 6, and the trees predict 3 of the 4 that are left.
-        let equal = [[10.0, 4.0, 1.0]; 8];
+    fn shares_are_of_what_is_beyond_noise() {
+        // Of 9 above the noise of 1 the claims explain 6, whether the trees predict 3 of the 4 that are left or nothing.
+        let equal = [[10.0, 4.0, 1.0, f64::INFINITY]; 8];
+        assert_eq!(explained(&[[10.0, 4.0, 4.5, 1.0]; 8]), explained(&equal));
         let share = explained(&equal).unwrap();
         assert!((share.value - 2.0 / 3.0).abs() < 1e-12 && share.std < 1e-9, "{share:?}");
-        // Trees that predict nothing leave the improved model as it is.
-        assert!((explained(&[[10.0, 4.0, 4.5]; 8]).unwrap().value - 1.0).abs() < 1e-12);
+        // Noise that was not measured is what trees do not predict.
+        assert!((explained(&[[10.0, 4.0, 4.5, f64::INFINITY]; 8]).unwrap().value - 1.0).abs() < 1e-12);
         assert_eq!(explained(&equal[..3]), None, "too few stretches");
-        assert_eq!(explained(&[[1.0, 0.99, 0.99]; 8]), None, "nothing can be predicted");
+        assert_eq!(explained(&[[1.0, 0.99, 0.99, 1.0]; 8]), None, "all is noise");
     }
 }

@@ -10,7 +10,7 @@ use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::remainder::{Residual, Rest, remainders};
-use crate::request::{Question, QuestionedRecording};
+use crate::request::{Question, QuestionedRecording, SelectionOptions};
 use crate::transmission::VisibleGear;
 use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
@@ -98,7 +98,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let answered = |something| answers(investigation, &effects, &registered_models, &errors, something);
     let (mut answer, mut structure) = answered(something);
     let uncertain = uncertainty(investigation, &fitted);
-    let held_out_differs = differences(investigation, &uncertain, &residual, &held_out, &apart);
+    let held_out_differs = differences((investigation, &fitted), &uncertain, &residual, &held_out, &apart);
     if answer == Answer::NoMismatch && !held_out_differs.is_empty() {
         answer = Answer::HeldOutDiffers;
     } else if [answer, structure.unwrap_or(answer)].iter().all(|a| *a == Answer::NoMismatch) {
@@ -109,7 +109,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     }
     let mut verdict = Verdict {
         schema: SCHEMA,
-        settings: question.selection,
+        settings: SelectionOptions { f_dyn_hz: Some(question.f_dyn_hz), ..question.selection },
         unit: question.unit,
         gears_visible: visible_beside(&residual, &investigation.gears_visible),
         joint_names: question.names().joints.to_vec(),
@@ -135,6 +135,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     };
     verdict.notes.extend(investigation.faults.iter().filter(|f| !f.suffices).map(|f| f.sentence.clone()));
     verdict.notes.extend(question.recordings.iter().filter_map(left_out));
+    if let Some(asked_hz) = question.selection.f_dyn_hz.filter(|asked_hz| *asked_hz > question.f_dyn_hz) {
+        verdict.notes.push(format!(
+            "f_dyn is {} Hz where {asked_hz} Hz was asked for: in a wider band noise of the positions has more than 0.1 % of the \
+             power of the accelerations, which biases inertias and looks like delays",
+            question.f_dyn_hz
+        ));
+    }
     if question.unit == MeasurementUnit::Ampere {
         verdict.notes.push(
             "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where their unit is \
@@ -323,7 +330,7 @@ fn joint_residuals(
 
 /// Rows with what two models leave of them, each of switches and coefficients.
 fn rests<'r>(
-    investigation: &Investigation,
+    investigation: &'r Investigation,
     rows: &'r [RecordingRows],
     before: (&[Switch], &[f64]),
     after: (&[Switch], &[f64]),
@@ -333,13 +340,14 @@ fn rests<'r>(
     let load = |rows: &RecordingRows| {
         (0..rows.joints.len()).map(|joint| rigid_body_load(investigation, rows, joint)).collect()
     };
-    let of = |rows: &'r RecordingRows| Residual {
+    let of = |(rows, noise): (&'r RecordingRows, &'r Vec<f64>)| Residual {
         before: left(rows, before),
         after: left(rows, after),
         load_torque: load(rows),
+        noise,
         rows,
     };
-    rows.iter().map(of).collect()
+    rows.iter().zip(&investigation.floors).map(of).collect()
 }
 
 /// The rigid-body torque of the baseline at each row of a joint.

@@ -1,9 +1,11 @@
 //! The frequencies of a motion, and the f_dyn that suits it.
 
-use crate::noise::{power, velocity_gain};
+use crate::noise::{PositionNoise, power, velocity_gain};
 use crate::preprocess::Preprocessed;
 
 const F_DYN_HZ: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, RIGID_HZ];
+/// Wider bands, which are for those who ask.
+const WIDE_HZ: [f64; 6] = [12.0, 15.0, 20.0, 25.0, 30.0, 40.0];
 /// f_dyn over the frequency below which the motion lies: friction turns smooth motion into odd harmonics of it.
 const ROOM: f64 = 5.0;
 /// Share of the power of a motion that lies below that frequency.
@@ -30,23 +32,62 @@ const NOISE_SHARE: f64 = 1e-3;
 /// weight of its mean power, whatever its length and rate.
 #[must_use]
 pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Option<f64> {
-    let (mut spectrum, mut noises) = (Vec::new(), Vec::new());
-    let (mut slowest_hz, mut shortest_s) = (f64::INFINITY, f64::INFINITY);
-    for recording in recordings {
-        let samples: usize = recording.segments.iter().map(|s| s.motion.samples()).sum();
-        shortest_s = shortest_s.min(samples as f64 / recording.report.rate_hz);
-        slowest_hz = slowest_hz.min(recording.report.rate_hz);
-        spectrum
-            .extend((0..recording.position_noise.len()).flat_map(|joint| recording.velocity_spectrum(joint)));
-        noises.extend(&recording.position_noise);
+    Band::of(recordings).suitable_hz()
+}
+
+/// The highest f_dyn up to `asked_hz` at which noise of the positions has at most 0.1 % of the power of the accelerations, one that
+/// suits the recordings ([`suitable_f_dyn_hz`]) aside: beyond, inertias are biased, and what is biased looks like something else.
+#[must_use]
+pub fn quiet_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>, asked_hz: f64) -> f64 {
+    Band::of(recordings).quiet_hz(asked_hz)
+}
+
+/// Motions and noise of recordings.
+struct Band<'a> {
+    /// Frequencies, Hz, and mean power of the joints' velocities at each.
+    velocities: Vec<(f64, f64)>,
+    noises: Vec<&'a PositionNoise>,
+    slowest_hz: f64,
+    shortest_s: f64,
+}
+
+impl<'a> Band<'a> {
+    fn of(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Self {
+        let none = f64::INFINITY;
+        let mut band =
+            Self { velocities: Vec::new(), noises: Vec::new(), slowest_hz: none, shortest_s: none };
+        for recording in recordings {
+            let samples: usize = recording.segments.iter().map(|s| s.motion.samples()).sum();
+            band.shortest_s = band.shortest_s.min(samples as f64 / recording.report.rate_hz);
+            band.slowest_hz = band.slowest_hz.min(recording.report.rate_hz);
+            let joints = 0..recording.position_noise.len();
+            band.velocities.extend(joints.flat_map(|joint| recording.velocity_spectrum(joint)));
+            band.noises.extend(&recording.position_noise);
+        }
+        band
     }
-    let accelerations: f64 =
-        spectrum.iter().map(|(f, power)| power * (std::f64::consts::TAU * f).powi(2)).sum();
-    let quiet = |f_dyn_hz: f64| {
-        noises.iter().map(|noise| noise.acceleration_power(f_dyn_hz)).sum::<f64>()
+
+    /// Whether noise of the positions has little of the accelerations' power below a frequency.
+    fn is_quiet(&self, f_dyn_hz: f64) -> bool {
+        let accelerations: f64 =
+            self.velocities.iter().map(|(f, power)| power * (std::f64::consts::TAU * f).powi(2)).sum();
+        self.noises.iter().map(|noise| noise.acceleration_power(f_dyn_hz)).sum::<f64>()
             <= NOISE_SHARE * accelerations
-    };
-    chosen_hz(reach_hz(spectrum)?, shortest_s, slowest_hz, quiet)
+    }
+
+    fn quiet_hz(&self, asked_hz: f64) -> f64 {
+        let Some(suitable_hz) = self.suitable_hz().filter(|suitable_hz| *suitable_hz < asked_hz) else {
+            return asked_hz;
+        };
+        let usual = F_DYN_HZ.into_iter().chain(WIDE_HZ).rev();
+        let lower = usual.filter(|hz| *hz < asked_hz && *hz > suitable_hz);
+        [asked_hz].into_iter().chain(lower).find(|hz| self.is_quiet(*hz)).unwrap_or(suitable_hz)
+    }
+
+    fn suitable_hz(&self) -> Option<f64> {
+        let top_hz = reach_hz(self.velocities.clone())?;
+        chosen_hz(top_hz, self.shortest_s, self.slowest_hz, |hz| self.is_quiet(hz))
+    }
 }
 
 /// f_dyn for motion below `top_hz`, for a length and a sampling rate, where noise allows it only if it is `quiet`.
@@ -164,6 +205,22 @@ mod tests {
         // Short recordings.
         let long = |shortest_s| chosen_hz(0.6, shortest_s, 500.0, |_| true);
         assert_eq!([60.0, 20.0, 10.0, 5.0].map(long), [3.0, 5.0, 10.0, 10.0].map(Some));
+    }
+
+    #[test]
+    fn a_band_that_is_asked_for_is_as_wide_as_noise_allows() {
+        let mut noise = PositionNoise::none(500.0);
+        let mut quiet_hz = |white_rad, asked_hz| {
+            noise.white_rad = white_rad;
+            let (velocities, noises) = (vec![(1.0, 1.0)], vec![&noise]);
+            Band { velocities, noises, slowest_hz: 500.0, shortest_s: 100.0 }.quiet_hz(asked_hz)
+        };
+        assert_eq!(quiet_hz(0.0, 30.0), 30.0);
+        // σ²/250 (2π)⁴ f⁵/5 is a thousandth of (2π)² at 12.9 Hz.
+        assert_eq!(quiet_hz(3e-4, 30.0), 12.0);
+        assert_eq!(quiet_hz(3e-4, 11.0), 11.0);
+        // What suits the motion is the least, whatever the noise.
+        assert_eq!([quiet_hz(1.0, 30.0), quiet_hz(1.0, 0.5)], [1.0, 0.5]);
     }
 
     #[test]

@@ -4,5 +4,5 @@ mod bandwidth;
 mod interpolated;
 pub(crate) mod stamps;
 
-pub use bandwidth::suitable_f_dyn_hz;
+pub use bandwidth::{quiet_f_dyn_hz, suitable_f_dyn_hz};
 pub use stamps::StampUnit;
