@@ -65,7 +65,7 @@ pub use recordings::{ConfirmRows, Fit, FitRows, Instrument, Layout, Partition, R
 pub use remainder::{Follows, Remainder, Rest, Share};
 pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
 pub use search::{Chosen, Selection};
-pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, VisibleGear, find_gears};
+pub use transmission::{FullRate, Gears, PoseColumns, Shaking, VisibleGear, find_gears};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
     JointSeriesRows, Learnt, NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, SCHEMA, Shift,

@@ -5,8 +5,8 @@
 //! spectra ([`spectrum`]), and as the mean square that the residual of a right model has ([`floor`]).
 
 pub mod floor;
-pub mod inertia;
 pub(crate) mod instrument;
+pub mod pose;
 mod residual;
 mod sensitivity;
 pub mod spectrum;

@@ -10,7 +10,6 @@
 
 mod against;
 mod claim;
-mod gravity;
 mod link;
 mod rows;
 mod series;
@@ -20,7 +19,7 @@ mod tests;
 mod undo;
 mod whiten;
 
-pub use crate::noise::inertia::InertiaColumns;
+pub use crate::noise::pose::PoseColumns;
 pub use series::FullRate;
 pub(crate) use undo::undone;
 
@@ -37,7 +36,6 @@ use crate::vocabulary::Effect;
 use against::OwnFreed;
 pub(crate) use claim::AMPLITUDE;
 use claim::{Among, Found, JointRows, LEAST_GAIN, Level, Visible};
-use gravity::GravityGradients;
 use rows::{Kind, Rows};
 use shape::{Inertia, Shape};
 
@@ -97,7 +95,7 @@ struct Piece<'a> {
     target: bool,
     segment: &'a Segment,
     full: FullRate,
-    gradients: GravityGradients,
+    gradients: PoseColumns,
     position_cutoff_hz: f64,
 }
 
@@ -248,7 +246,7 @@ fn pieces<'a>(
             let Some(full) = FullRate::evaluate(segment, fit, inertial)? else { continue };
             let body = &**fit.model.rigid_body();
             let gradients =
-                GravityGradients::evaluate(body, inertial, segment.motion.view(), full.inertia.step())?;
+                PoseColumns::gravity_gradients(body, inertial, segment.motion.view(), full.inertia.step())?;
             // Validation recordings are of the robot as it is in the targets, where there are any.
             let target = questioned.role == Role::Target || targets && questioned.role == Role::Validation;
             pieces.push(Piece { recording, target, segment, full, gradients, position_cutoff_hz });

@@ -2,12 +2,11 @@
 
 use aurt_recording::{Segment, ZeroPhase};
 
-use super::gravity::GravityGradients;
 use super::link::{Deflection, Drive, Gear};
 use super::series::FullRate;
 use super::shape::Inertia;
 use super::whiten::Whitener;
-use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ};
+use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ, PoseColumns};
 use crate::error::DiagnosisError;
 
 /// Rows end at this share of the cut-off of the positions' filter: there it still passes 0.86 of the motion.
@@ -119,7 +118,7 @@ impl Rows {
     pub fn new(
         segment: &Segment,
         full: &FullRate,
-        gradients: &GravityGradients,
+        gradients: &PoseColumns,
         position_cutoff_hz: f64,
         kind: Kind,
     ) -> Result<Self, DiagnosisError> {

@@ -3,7 +3,7 @@ use aurt_recording::Segment;
 use aurt_traits::{ColumnGroup, MotionView};
 
 use crate::error::DiagnosisError;
-use crate::noise::inertia::InertiaColumns;
+use crate::noise::pose::PoseColumns;
 use crate::recordings::rows::Fit;
 
 /// What a fitted model leaves of a segment at the recording's own rate, before any filter, joint by joint.
@@ -22,7 +22,7 @@ pub struct FullRate {
     /// Whether a joint moves, and neither it has just reversed, started or stopped nor is about to.
     pub calm: Vec<Vec<bool>>,
     /// Inertia along the motion.
-    pub inertia: InertiaColumns,
+    pub inertia: PoseColumns,
 }
 
 /// A joint rests below this speed, rad/s.
@@ -79,7 +79,7 @@ impl FullRate {
             load,
             acceleration_rad_s2: (0..joints).map(|j| motion.acceleration_rad_s2(j).to_vec()).collect(),
             calm: calm(motion, segment.rate_hz),
-            inertia: InertiaColumns::evaluate(&**fit.model.rigid_body(), inertial, motion, step)?,
+            inertia: PoseColumns::inertia(&**fit.model.rigid_body(), inertial, motion, step)?,
         }))
     }
 

@@ -7,12 +7,11 @@ use aurt_traits::MeasurementUnit;
 
 use super::against::OwnFreed;
 use super::claim::{Among, Found, JointRows, Level};
-use super::gravity::GravityGradients;
 use super::rows::{Kind, Rows};
 use super::series::FullRate;
 use super::shape::Shape;
 use crate::dice::Dice;
-use crate::noise::inertia::InertiaColumns;
+use crate::noise::pose::PoseColumns;
 
 const SECONDS: f64 = 30.0;
 /// M of two joints, kg m².
@@ -117,13 +116,13 @@ fn searched(motors: Motors) -> Option<Found> {
         residual: (0..2).map(left).collect(),
         acceleration_rad_s2: (0..2).map(|j| motion.acceleration_rad_s2(j).to_vec()).collect(),
         calm: vec![vec![true; motion.samples()]; 2],
-        inertia: InertiaColumns::constant(&INERTIA.map(|c| c.to_vec())),
+        inertia: PoseColumns::constant(&INERTIA.map(|c| c.to_vec())),
         load,
     };
     let rows = Rows::new(
         segment,
         &full,
-        &GravityGradients::none(2),
+        &PoseColumns::constant(&[vec![0.0; 2], vec![0.0; 2]]),
         options.effective_position_cutoff_hz(),
         Kind::of(half_gap_rad),
     );

@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use super::gravity::GravityGradients;
 use super::link::Drive;
 use super::series::FullRate;
-use super::{Shaking, pieces};
+use super::{PoseColumns, Shaking, pieces};
 use crate::error::DiagnosisError;
 use crate::recordings::rows::Fit;
 use crate::request::{Question, QuestionedRecording};
 
 /// The torque at each joint, at a segment's own rate.
-pub(super) fn torque(gear: &Shaking, full: &FullRate, gradients: &GravityGradients) -> Vec<Vec<f64>> {
+pub(super) fn torque(gear: &Shaking, full: &FullRate, gradients: &PoseColumns) -> Vec<Vec<f64>> {
     let (joint, samples) = (gear.joint, full.time_s.len());
     let (shape, inertia) = gear.simulated;
     let simulated = shape.gear(inertia);

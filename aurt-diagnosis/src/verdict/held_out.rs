@@ -125,15 +125,23 @@ fn measured(investigation: &Investigation) -> Vec<f64> {
 
 /// Mean square of the prediction's uncertainty over the held-out rows, joint by joint, Nm².
 pub(super) fn uncertainty(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
-    let mut sums = vec![0.0; investigation.layout.rows.len()];
     let refits = fitted.resampled.deviating(&fitted.fit.coefficients);
+    let mut sums = vec![0.0; investigation.layout.rows.len()];
+    for (deviating, share) in &refits {
+        let difference = difference(investigation, fitted, deviating);
+        sums.iter_mut().zip(difference).for_each(|(sum, of_one)| *sum += share * of_one);
+    }
+    sums
+}
+
+/// Mean square of the difference that other coefficients make over the held-out rows, joint by joint.
+fn difference(investigation: &Investigation, fitted: &Fitted, others: &[f64]) -> Vec<f64> {
+    let left = |rows, beta| residuals(rows, &investigation.layout, &fitted.switches, beta);
+    let mut sums = vec![0.0; investigation.layout.rows.len()];
     for (_, rows) in judging(investigation) {
-        let left = |beta: &[f64]| residuals(rows, &investigation.layout, &fitted.switches, beta);
-        let whole = left(&fitted.fit.coefficients);
-        for (deviating, share) in &refits {
-            for ((sum, whole), without) in sums.iter_mut().zip(&whole).zip(left(deviating)) {
-                *sum += share * whole.iter().zip(&without).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            }
+        let both = left(rows, &fitted.fit.coefficients).into_iter().zip(left(rows, others));
+        for (sum, (whole, other)) in sums.iter_mut().zip(both) {
+            *sum += whole.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         }
     }
     sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
@@ -158,15 +166,7 @@ fn friction(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
         |s: &Switch| own(s) || found.iter().any(|f| f.column == s.column && f.target_only == s.target_only);
     let coefficients = fitted.switches.iter().zip(&fitted.fit.coefficients);
     let others: Vec<f64> = coefficients.map(|(s, value)| if is_friction(s) { 0.0 } else { *value }).collect();
-    let mut sums = vec![0.0; layout.rows.len()];
-    for (_, rows) in judging(investigation) {
-        let [whole, without] = [&fitted.fit.coefficients, &others]
-            .map(|coefficients| residuals(rows, layout, &fitted.switches, coefficients));
-        for ((sum, whole), without) in sums.iter_mut().zip(whole).zip(without) {
-            *sum += whole.iter().zip(&without).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-        }
-    }
-    sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
+    difference(investigation, fitted, &others)
 }
 
 #[cfg(test)]
