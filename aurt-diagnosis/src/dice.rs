@@ -13,9 +13,4 @@ impl Dice {
     pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
-
-    /// A normal number of unit variance (Box, Muller 1958).
-    pub fn gaussian(&mut self) -> f64 {
-        (-2.0 * self.uniform().max(1e-300).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }

@@ -91,7 +91,7 @@ pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::MATLAB;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
-    acceleration_gain, lattice_step, median, median_step_s, velocity_gain, white_level, white_level_at,
+    acceleration_gain, lattice_step, median, median_step_s, velocity_gain, white_level_at,
 };
 #[cfg(feature = "numpy")]
 pub use numpy::NUMPY;

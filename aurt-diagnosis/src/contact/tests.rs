@@ -109,7 +109,7 @@ fn background(rows: &RecordingRows, seed: u64, memory: f64) -> Vec<Vec<f64>> {
             let mut state = 0.0;
             (0..rows.rows())
                 .map(|k| {
-                    state = memory * state + (1.0 - memory * memory).sqrt() * dice.gaussian();
+                    state = memory * state + (1.0 - memory * memory).sqrt() * dice.normal();
                     let v = joint.velocity_rad_s[k];
                     level * (state + 2.0 * v.signum() * (-(v / 0.1).powi(2)).exp())
                 })

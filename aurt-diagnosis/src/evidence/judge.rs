@@ -5,7 +5,7 @@ use crate::evidence::chance::Chance;
 use crate::evidence::gram::dot;
 use crate::evidence::null::{ByChance, by_chance};
 use crate::evidence::problem::Problem;
-use crate::evidence::refit::Refit;
+use crate::evidence::refit;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::divided::ConfirmRows;
@@ -66,7 +66,7 @@ impl Judge<'_> {
     ///
     /// A recording that differs from the fitted ones in something else says little of the group through the model's errors.
     /// Then it is judged beside the model with the columns `own` fitted to it anew, if the difference of predictions weighs more there,
-    /// in units of what the model leaves: which of the two it is does not depend on whom the errors favour.
+    /// in units of what the model with the group leaves.
     pub(crate) fn p_confirm(
         &self,
         confirm: &ConfirmRows,
@@ -83,21 +83,16 @@ impl Judge<'_> {
         }
         let shortest = (shortest_s * mean_rate_hz(confirm.to_judge())).ceil() as usize;
         let shortest = shortest.min(rows / PIECES).max(1);
-        let mut columns: Vec<usize> = own.iter().map(|s| s.column).collect();
-        columns.sort_unstable();
-        columns.dedup();
+        let columns: Vec<usize> = own.iter().map(|s| s.column).collect();
         let contrasts = confirm.to_judge().iter().flat_map(|rows| {
             let errors = [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta));
             let levels = self.levels(&errors[0]);
             let weights: Vec<f64> = levels.iter().map(|level| level.recip()).collect();
-            let refit = Refit::new(rows, self.layout, &columns, &weights);
             let mut freed = errors.clone();
-            freed.iter_mut().for_each(|errors| refit.free(errors));
-            let of_both = [contrasts(&errors, &levels), contrasts(&freed, &self.levels(&freed[0]))];
-            let [as_fitted, anew] =
-                of_both.each_ref().map(|rows| rows.iter().map(|row| row.energy).sum::<f64>());
-            let [judged_as_fitted, judged_anew] = of_both;
-            if anew > as_fitted { judged_anew } else { judged_as_fitted }
+            refit::free(&mut freed, rows, self.layout, &columns, &weights);
+            let both = [contrasts(&freed, &self.levels(&freed[0])), contrasts(&errors, &levels)];
+            let energy = |rows: &Vec<Contrast>| rows.iter().map(|row| row.energy).sum::<f64>();
+            both.into_iter().max_by(|a, b| energy(a).total_cmp(&energy(b))).unwrap_or_default()
         });
         Some(by_sign(&pieces(&contrasts.collect::<Vec<_>>(), shortest)))
     }

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::effects::dropped_samples;
 use crate::parameters::{ParameterValue, Parameters};
-use aurt_recording::{Recording, median_step_s, white_level, white_level_at};
+use aurt_recording::{Recording, median_step_s, white_level_at};
 use aurt_traits::RobotNames;
 
 /// Faulty rows below this number are not worth a word.
@@ -276,7 +276,9 @@ fn corrupt(recording: &Recording, old: &[bool]) -> Vec<bool> {
         let mut at = 0;
         for run in silent.chunk_by(|a, b| a == b) {
             let is_inside = at > 0 && at + run.len() < n;
-            found[at..at + run.len()].fill(run[0] && is_inside && run.len() <= LONGEST_BURST_ROWS);
+            if run[0] && is_inside && run.len() <= LONGEST_BURST_ROWS {
+                found[at..at + run.len()].fill(true);
+            }
             at += run.len();
         }
     }
@@ -290,9 +292,10 @@ fn corrupt(recording: &Recording, old: &[bool]) -> Vec<bool> {
         let mut leaps = (2..n.saturating_sub(2)).filter_map(leap_at).peekable();
         if leaps.peek().is_some() {
             // A measurement that is held, or clipped, is quiet in between only.
-            let mut changing = series.clone();
-            changing.dedup();
-            let noise = white_level(&changing).max(resolution(series));
+            let changes = (1..n).filter(|k| !old[*k] && series[*k] != series[k - 1]);
+            let (time, changing): (Vec<f64>, Vec<f64>) =
+                changes.map(|k| (recording.time_s[k], series[k])).unzip();
+            let noise = white_level_at(&time, &changing).max(resolution(series));
             leaps.filter(|(_, leap)| *leap > SPIKE * noise).for_each(|(k, _)| found[k] = true);
         }
     }

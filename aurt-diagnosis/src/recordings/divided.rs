@@ -10,7 +10,7 @@ use crate::recordings::rows::{JointRows, RecordingRows};
 pub struct FitRows(Vec<RecordingRows>);
 
 /// The rows that confirm: validation recordings, or the ends of those in question. They judge what was found, a delay first;
-/// nothing is masked or fitted with them.
+/// nothing is masked with them, and nothing fitted but the model beside which they judge.
 #[derive(Debug, Clone)]
 pub struct ConfirmRows(Vec<RecordingRows>);
 

@@ -145,7 +145,8 @@ impl Rows {
                 }
                 rows.before.push(recording.before[joint][row]);
                 rows.after.push(recording.after[joint][row]);
-                rows.noise.push(recording.noise[joint]);
+                let noise = recording.noise[joint];
+                rows.noise.push(if noise > 0.0 { noise } else { f64::INFINITY });
                 rows.stretch.push(first_stretch + row / stretch);
             }
             first_stretch += recording.rows.rows() / stretch + 1;

@@ -84,11 +84,11 @@ impl<'f> Faulty<'f> {
         joints.dedup();
         let mut present_in: Vec<String> = self.faults.iter().map(|(_, kind)| (*kind).to_owned()).collect();
         present_in.dedup();
-        let mut others: Vec<&str> = self.faults.iter().map(|(f, _)| f.recording.as_str()).collect();
+        let names = self.faults.iter().map(|(fault, _)| fault.recording.as_str());
+        let mut others: Vec<&str> = names.filter(|name| *name != worst.recording).collect();
         others.dedup();
-        others.retain(|name| *name != worst.recording);
         let is_one = others.is_empty();
-        let also = if is_one { String::new() } else { format!("; fewer in {}", others.join(", ")) };
+        let also: String = others.iter().map(|name| format!("; also in {name}")).collect();
         let window = match worst.windows_s.as_slice() {
             [only] if is_one => Some(*only),
             _ => None,

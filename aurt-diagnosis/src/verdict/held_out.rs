@@ -151,7 +151,8 @@ fn difference(investigation: &Investigation, fitted: &Fitted, others: &[f64]) ->
 /// of a UR10e differ by 6 % at 1 rad/s and 2 % at 0.3 rad/s, root mean square over its joints.
 const BETWEEN_RECORDINGS: f64 = 0.06;
 
-/// Mean square of friction over the held-out rows, joint by joint, Nm²: of the joints' own laws, and of those that were found.
+/// Mean square of friction over the held-out rows, joint by joint, Nm²: of the joints' own laws, unless the model is given, and of
+/// those that were found.
 fn friction(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
     let Investigation { layout, model, groups, selection, base_switches, .. } = investigation;
     let found = selection.chosen.iter().map(|c| &groups[c.group]).filter(|g| g.effect.is_friction);

@@ -78,7 +78,7 @@ pub struct Verdict {
     /// Joints whose held-out error exceeds what the model's error on the fitted recordings lets expect.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held_out_differs: Vec<HeldOutDifference>,
-    /// Share of the predictable part of the held-out error of all joints that the claims explain; absent without claims.
+    /// Share of the held-out squared error of all joints beyond noise that the claims explain; absent without claims.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub explained: Option<Share>,
     /// How the held-out error is made up, joint by joint.

@@ -20,7 +20,7 @@ pub use markov::WhiteAndMarkov;
 pub use position::PositionNoise;
 pub use response::{acceleration_gain, velocity_gain};
 pub use spectrum::{MedianSpectrum, SpectrumBand};
-pub use white::{white_level, white_level_at};
+pub use white::white_level_at;
 
 /// The median of at least one value; the values are reordered.
 #[must_use]

@@ -2,10 +2,6 @@
 
 use crate::noise::median;
 
-/// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
-/// sampling rate is gone.
-const DIFFERENCE: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
-
 /// Orders of the divided differences. White noise has the same level in all of them; of motion a higher order leaves
 /// less below a sixth of the sampling rate, and more above it. The least level counts.
 const ORDERS: [usize; 3] = [4, 6, 8];
@@ -24,23 +20,6 @@ const EVEN: f64 = 1e-9;
 
 /// Neighbouring stamps further apart than this, in median distances, are no neighbours: motion would count.
 const FARTHEST: f64 = 3.5;
-
-/// Standard deviation of the white part of a series, from its fourth differences; the median of their
-/// magnitudes is used, so that impacts and reversals do not count. The series' stamps are taken to be even; see
-/// [`white_level_at`] for those that are not.
-#[must_use]
-pub fn white_level(series: &[f64]) -> f64 {
-    let power: f64 = DIFFERENCE.iter().map(|c| c * c).sum();
-    let mut magnitudes: Vec<f64> = series
-        .windows(DIFFERENCE.len())
-        .map(|w| w.iter().zip(DIFFERENCE).map(|(x, c)| x * c).sum::<f64>().abs())
-        .collect();
-    if magnitudes.is_empty() {
-        return 0.0;
-    }
-    // The median of |x| of a normal variable is 0.6745 of its standard deviation.
-    median(&mut magnitudes) / 0.674_49 / power.sqrt()
-}
 
 /// Standard deviation of the white part of a series, from divided differences on its own stamps in s: the
 /// coefficients c_i = 1/Π_{k≠i}(t_i − t_k), scaled to Σ c_i² = 1, remove every polynomial below their order from samples
@@ -148,15 +127,15 @@ fn median_share(order: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{white_level, white_level_at};
+    use super::white_level_at;
     use crate::noise::Normal;
 
     #[test]
     fn noise_is_measured_beneath_a_motion() {
         let mut normal = Normal::new(1);
-        let series: Vec<f64> =
-            (0..5000).map(|k| 3.0 * (k as f64 * 0.01).sin() + 0.02 * normal.next()).collect();
-        let level = white_level(&series);
+        let time: Vec<f64> = (0..5000).map(f64::from).collect();
+        let series: Vec<f64> = time.iter().map(|t| 3.0 * (t * 0.01).sin() + 0.02 * normal.next()).collect();
+        let level = white_level_at(&time, &series);
         assert!((level - 0.02).abs() < 0.001, "{level}");
     }
 
@@ -173,7 +152,8 @@ mod tests {
     #[test]
     fn a_clock_that_jitters_and_says_so_is_no_noise() {
         let (time, angle) = jittering(0.02, 0.0);
-        assert!(white_level(&angle) > 1e-5, "the rows alone look noisy");
+        let even: Vec<f64> = (0..time.len()).map(|k| 0.002 * k as f64).collect();
+        assert!(white_level_at(&even, &angle) > 1e-5, "the rows alone look noisy");
         assert!(white_level_at(&time, &angle) < 1e-11, "{}", white_level_at(&time, &angle));
     }
 

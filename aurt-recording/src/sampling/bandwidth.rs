@@ -4,8 +4,6 @@ use crate::noise::{PositionNoise, power, velocity_gain};
 use crate::preprocess::Preprocessed;
 
 const F_DYN_HZ: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, RIGID_HZ];
-/// Wider bands, which are for those who ask.
-const WIDE_HZ: [f64; 6] = [12.0, 15.0, 20.0, 25.0, 30.0, 40.0];
 /// f_dyn over the frequency below which the motion lies: friction turns smooth motion into odd harmonics of it.
 const ROOM: f64 = 5.0;
 /// Share of the power of a motion that lies below that frequency.
@@ -79,8 +77,7 @@ impl<'a> Band<'a> {
         let Some(suitable_hz) = self.suitable_hz().filter(|suitable_hz| *suitable_hz < asked_hz) else {
             return asked_hz;
         };
-        let usual = F_DYN_HZ.into_iter().chain(WIDE_HZ).rev();
-        let lower = usual.filter(|hz| *hz < asked_hz && *hz > suitable_hz);
+        let lower = F_DYN_HZ.into_iter().rev().filter(|hz| *hz < asked_hz && *hz > suitable_hz);
         [asked_hz].into_iter().chain(lower).find(|hz| self.is_quiet(*hz)).unwrap_or(suitable_hz)
     }
 
@@ -217,7 +214,7 @@ mod tests {
         };
         assert_eq!(quiet_hz(0.0, 30.0), 30.0);
         // σ²/250 (2π)⁴ f⁵/5 is a thousandth of (2π)² at 12.9 Hz.
-        assert_eq!(quiet_hz(3e-4, 30.0), 12.0);
+        assert_eq!(quiet_hz(3e-4, 30.0), 10.0);
         assert_eq!(quiet_hz(3e-4, 11.0), 11.0);
         // What suits the motion is the least, whatever the noise.
         assert_eq!([quiet_hz(1.0, 30.0), quiet_hz(1.0, 0.5)], [1.0, 0.5]);
