@@ -166,7 +166,7 @@ def test_a_recording_gives_back_what_it_was_given(given):
         aurt.Recording(t, q, tau=tau, current=tau)
     with pytest.raises(aurt.Error, match="unit"):
         aurt.Recording(t, q, tau=tau, unit="A")
-    with pytest.raises(aurt.Error, match='"Nm" or "A"'):
+    with pytest.raises(aurt.Error, match='one of "Nm", "A"'):
         aurt.Recording(t, q, tau=tau, unit="mA")
 
 
