@@ -55,9 +55,10 @@ impl Order {
     ) -> PyResult<Self> {
         let kinds = [("inverse", Kind::Inverse), ("forward", Kind::Forward)];
         let kind = kind.map(|kind| choice("kind", kind, &kinds)).transpose()?;
-        // The last is of drives, which no model of torques is.
+        // Isaac Lab takes drives, which no model of torques is.
         let targets = Target::NAMES.map(|(name, _, target)| (name, target));
-        let target = choice("target", target, &targets[..targets.len() - 1])?.of_kind(kind);
+        let targets: Vec<_> = targets.into_iter().filter(|(_, target)| *target != Target::Isaac).collect();
+        let target = choice("target", target, &targets)?.of_kind(kind);
         match (target, kind) {
             (Target::Fmu(_), None) => {
                 return Err(refused("the target \"fmu\" needs kind=\"inverse\" or kind=\"forward\""));

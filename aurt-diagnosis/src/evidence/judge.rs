@@ -1,4 +1,4 @@
-//! What a score is worth: the best score that chance reaches, and a test on rows that nothing was fitted to.
+//! What a score is worth: the best score that chance reaches, and a test on rows that took no part in the search.
 
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::chance::Chance;

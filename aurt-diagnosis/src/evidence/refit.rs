@@ -16,7 +16,7 @@ pub(crate) fn free(
     let n = columns.len();
     let (mut gram, mut right) = (vec![0.0; n * n], vec![vec![0.0; n]; errors.len()]);
     let place = |column: &usize| columns.iter().position(|c| c == column);
-    // Of each joint, its columns beside their places.
+    // The columns of each joint beside their places.
     let series: Vec<Vec<(usize, &[f64])>> = (rows.joints.iter().zip(&layout.rows))
         .map(|(joint, row)| {
             let own = row.iter().enumerate();

@@ -210,7 +210,7 @@ fn a_spike_is_found_and_a_step_is_not() {
     assert_eq!(effects(&RecordingFaults::find("made", &made)), ["dropped_samples"]);
 }
 
-/// Where a row is lost and the next one has its values, nothing repeats; the angles lag.
+/// Rows that have the values of a lost one repeat nothing; their angles lag.
 #[test]
 fn old_rows_behind_lost_ones_are_left_out() {
     let mut made = recording(3, 250.0, 0.0, 0.05, 1e-4);

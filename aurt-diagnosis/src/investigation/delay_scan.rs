@@ -310,16 +310,16 @@ fn window(mut height: impl FnMut(i32) -> f64) -> (i32, i32) {
     ((lowest - VALLEY as i32).min(-1), (lowest + VALLEY as i32).max(1))
 }
 
-/// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and friction that lags on
-/// every joint. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
+/// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and on every joint the laws
+/// that stay beside delays. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
 fn model(investigation: &Investigation) -> Vec<Switch> {
     let stays = |group: &&Group| group.effect.stays_beside_delays;
     let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
     let found = found.filter(|g| !is_delay(investigation, g));
     let mut all = investigation.base_switches.clone();
     let everywhere = !investigation.problem.has_reference();
-    let lagging = investigation.groups.iter().filter(stays).filter(|g| everywhere || !g.target_only());
-    for switch in found.chain(lagging).flat_map(|g| &g.switches) {
+    let staying = investigation.groups.iter().filter(stays).filter(|g| everywhere || !g.target_only());
+    for switch in found.chain(staying).flat_map(|g| &g.switches) {
         if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
             all.push(*switch);
         }

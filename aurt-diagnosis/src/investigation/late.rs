@@ -2,7 +2,7 @@
 //!
 //! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
-//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
+//! leaves has a minimum at the true delay, on most joints, with friction that lags and rotors allowed for on all of them.
 
 use crate::error::DiagnosisError;
 use crate::investigation::Investigation;

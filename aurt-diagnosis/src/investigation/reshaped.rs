@@ -52,7 +52,7 @@ pub(super) fn reshape(
     Ok(())
 }
 
-/// [`reshape`] of the rows that confirm for chosen candidates, and for friction that lags on any joint, beside which delays are judged.
+/// [`reshape`] of the rows that confirm for chosen candidates, and for the laws of any joint beside which delays are judged.
 ///
 /// # Errors
 /// What laws and the filter report.
@@ -65,8 +65,8 @@ pub(crate) fn reshape_judged(
     layout: &Layout,
     partition: &Partition,
 ) -> Result<(), DiagnosisError> {
-    let lagging = (0..candidates.len()).filter(|k| candidates[*k].effect.stays_beside_delays);
-    let judged: BTreeSet<usize> = chosen.chain(lagging).collect();
+    let staying = (0..candidates.len()).filter(|k| candidates[*k].effect.stays_beside_delays);
+    let judged: BTreeSet<usize> = chosen.chain(staying).collect();
     judged
         .into_iter()
         .try_for_each(|k| reshape((None, confirm), &candidates[k], question, registry, layout, partition))

@@ -203,7 +203,7 @@ fn noise([_, after, rest, noise]: &Squares) -> f64 {
     rest.min(*after).min(*noise)
 }
 
-/// Of the baseline's error beyond noise, the share that the improved model explains; none where there is nothing beyond noise.
+/// The share of the baseline's error beyond noise that the improved model explains; none where there is nothing beyond noise.
 fn explained(stretches: &[Squares]) -> Option<Share> {
     jackknife(stretches, |of| 1.0 - noise(&of) / of[0]).filter(|s| matters(*s))?;
     jackknife(stretches, |of| (of[0] - of[1]) / (of[0] - noise(&of)))

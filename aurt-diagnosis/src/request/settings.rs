@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionOptions {
-    /// Highest frequency of the dynamics that are looked at, Hz. `None` takes the one that suits the motion
+    /// Highest frequency of the dynamics that are looked at, Hz, as far as noise allows. `None` takes the one that suits the motion
     /// ([`suitable_f_dyn_hz`](aurt_recording::suitable_f_dyn_hz)); the settings of a verdict have the one that was taken.
     pub f_dyn_hz: Option<f64>,
     /// Least score: odds of e⁸ = 3000 to one, against some hundred hypotheses that are tried.
@@ -39,7 +39,7 @@ pub struct SelectionOptions {
     /// floor: where the structure is wrong, whatever differs between two motions looks like a change.
     pub change_share: f64,
     /// A change of a joint's friction that reaches this share of the score of another change on the same joint is
-    /// taken instead of it.
+    /// taken instead of it, where blocks of time leave open which is better.
     pub everyday: f64,
     /// Shifts of the residual that show what chance does: the mean and the scale of three dozen best scores are known to a
     /// sixth of their spread.

@@ -147,8 +147,8 @@ fn difference(investigation: &Investigation, fitted: &Fitted, others: &[f64]) ->
     sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
 }
 
-/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): fitted one by one, five
-/// of a UR10e differ by 6 % at 1 rad/s and 2 % at 0.3 rad/s, root mean square over its joints.
+/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
+/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
 const BETWEEN_RECORDINGS: f64 = 0.06;
 
 /// Mean square of friction over the held-out rows, joint by joint, Nm²: of the joints' own laws, unless the model is given, and of

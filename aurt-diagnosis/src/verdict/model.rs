@@ -233,8 +233,8 @@ pub struct Evidence {
     /// circularly shifted against the motion, whose best scores have Gumbel's distribution.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_null: Option<f64>,
-    /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces
-    /// of the held-out part.
+    /// Probability that rows which took no part in the search favour the effect as much by chance: a paired test over
+    /// pieces of the held-out part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_confirm: Option<f64>,
 }

@@ -92,7 +92,7 @@ pub struct Effect {
     /// Whether a joint can have several of it: ripple has many orders. A second law of friction of the same name with
     /// other shapes mimics what is not among the candidates.
     pub is_repeatable: bool,
-    /// Whether it is free on every joint while a delay is judged: friction that lags looks like one, and missing inertia hides one.
+    /// True for a law that is free on every joint while a delay is judged: friction that lags looks like one, missing inertia hides one.
     pub stays_beside_delays: bool,
     /// Whether its columns are made of the model's own coefficients, and change with them.
     pub reads_model: bool,

@@ -33,8 +33,8 @@ pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocess
     Band::of(recordings).suitable_hz()
 }
 
-/// The highest f_dyn up to `asked_hz` at which noise of the positions has at most 0.1 % of the power of the accelerations, one that
-/// suits the recordings ([`suitable_f_dyn_hz`]) aside: beyond, inertias are biased, and what is biased looks like something else.
+/// `asked_hz`, or the highest usual f_dyn below it, at which noise of the positions has at most 0.1 % of the power of the accelerations:
+/// beyond, inertias are biased, and what is biased looks like something else. Never less than what suits ([`suitable_f_dyn_hz`]).
 #[must_use]
 pub fn quiet_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>, asked_hz: f64) -> f64 {
     Band::of(recordings).quiet_hz(asked_hz)
@@ -65,7 +65,7 @@ impl<'a> Band<'a> {
         band
     }
 
-    /// Whether noise of the positions has little of the accelerations' power below a frequency.
+    /// True where noise of the positions below a frequency has little of the accelerations' power.
     fn is_quiet(&self, f_dyn_hz: f64) -> bool {
         let accelerations: f64 =
             self.velocities.iter().map(|(f, power)| power * (std::f64::consts::TAU * f).powi(2)).sum();
