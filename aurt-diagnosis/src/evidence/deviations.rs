@@ -2,7 +2,6 @@
 
 use crate::evidence::linear::{Cholesky, solve_signed};
 use crate::evidence::problem::Problem;
-use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 
 /// Fits of everything but one block of time, block by block.
@@ -48,17 +47,11 @@ impl Resampled {
         let around = |c: &Vec<f64>| fit.iter().zip(c).zip(&means).map(|((f, c), m)| f + c - m).collect();
         self.coefficients.iter().map(|c| (around(c), (count - 1.0) / count)).collect()
     }
+}
 
-    /// Standard deviation of every coefficient: the larger of what residuals with a memory give (`independent_share` of
-    /// the rows are independent) and of the jackknife, which sees that a wrong model errs differently at other times.
-    pub(crate) fn deviations(&self, fit: &TotalFit, independent_share: f64) -> Vec<f64> {
-        let correlated = 1.0 / independent_share.max(0.01);
-        fit.variance
-            .iter()
-            .enumerate()
-            .map(|(k, variance)| (variance * correlated).sqrt().max(self.std(|c| c[k])))
-            .collect()
-    }
+/// By how much variances are larger than those of independent rows if a share of the rows is independent.
+pub(crate) fn memory(independent_share: f64) -> f64 {
+    independent_share.max(0.01).recip()
 }
 
 /// The covariance A P Aᵀ that switches have beside a given model, column-major; `None` where that is exact.

@@ -2,6 +2,7 @@
 
 pub(crate) mod account;
 pub mod baseline;
+pub(crate) mod between;
 pub mod chance;
 pub(crate) mod decidable;
 pub(crate) mod deviations;

@@ -15,14 +15,7 @@ pub(crate) fn free(
 ) {
     let n = columns.len();
     let (mut gram, mut right) = (vec![0.0; n * n], vec![vec![0.0; n]; errors.len()]);
-    let place = |column: &usize| columns.iter().position(|c| c == column);
-    // The columns of each joint beside their places.
-    let series: Vec<Vec<(usize, &[f64])>> = (rows.joints.iter().zip(&layout.rows))
-        .map(|(joint, row)| {
-            let own = row.iter().enumerate();
-            own.filter_map(|(k, column)| Some((place(column)?, joint.column(k)))).collect()
-        })
-        .collect();
+    let series = series(rows, layout, columns);
     for (j, (series, weight)) in series.iter().zip(weights).enumerate() {
         for (a, x) in series {
             series.iter().for_each(|(b, y)| gram[b * n + a] += weight * dot(x, y));
@@ -38,4 +31,18 @@ pub(crate) fn free(
             }
         }
     }
+}
+
+/// The columns of each joint beside their places among some.
+pub(super) fn series<'r>(
+    rows: &'r RecordingRows,
+    layout: &Layout,
+    columns: &[usize],
+) -> Vec<Vec<(usize, &'r [f64])>> {
+    let place = |column: &usize| columns.iter().position(|c| c == column);
+    let of_joint = rows.joints.iter().zip(&layout.rows).map(|(joint, row)| {
+        let own = row.iter().enumerate();
+        own.filter_map(|(k, column)| Some((place(column)?, joint.column(k)))).collect()
+    });
+    of_joint.collect()
 }

@@ -6,11 +6,13 @@
 
 use std::collections::BTreeMap;
 
-use aurt_calibration::student;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::between::Inflation;
+use crate::evidence::gram::dot;
 use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
@@ -31,9 +33,9 @@ pub struct Indicated {
     pub lacks_confirmation: bool,
 }
 
-/// Coefficients have to be farther from zero than one case in a hundred of nothing, in deviations of which the jackknife over
-/// blocks of time knows as much as Student's t says; `p_null` is what the search adds to chance.
-const TWO_SIDED_1: f64 = 2.575_829_303_548_901;
+/// Coefficients have to be farther from zero than those of nothing are but with this probability; `p_null` is what the search adds to
+/// chance.
+const BY_CHANCE: f64 = 0.01;
 
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
 const CONCERNED: f64 = 0.08;
@@ -111,6 +113,8 @@ struct Trial<'a> {
     /// The log-MSE that it must bring on one of its joints, joint by joint.
     least: Vec<f64>,
     whole: Fitted,
+    /// Level of the test of changes against what recordings differ by.
+    level: f64,
     /// Fits without one of it.
     without: Vec<(Vec<Switch>, Vec<f64>)>,
     /// Sums of squares over fitted rows, `[kind][joint]`: with all, and without one of it.
@@ -155,6 +159,7 @@ impl<'a> Trial<'a> {
             groups,
             parameters,
             reach_m,
+            level: question.selection.level,
             whole,
         }
     }
@@ -198,12 +203,7 @@ impl<'a> Trial<'a> {
         let group = self.groups[i];
         let mut fails: Vec<String> =
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
-        let away = self.away_from_zero(i);
-        let blocks = self.investigation.problem.blocks();
-        let least = student(TWO_SIDED_1, blocks as f64 - 1.0);
-        if away < least {
-            fails.push(format!("it is {away:.1} σ from zero; {blocks} blocks of time require {least:.1} σ"));
-        }
+        fails.extend(self.too_near_zero(i));
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
         if !self.lowers_error(i, kinds) {
             let least = self.joints[i].iter().map(|j| self.least[*j]).fold(f64::INFINITY, f64::min);
@@ -224,37 +224,44 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// How many standard deviations the torque that it is named for is away from none, in the direction that was fitted;
-    /// by the jackknife over blocks, and for a single coefficient by its deviation.
-    fn away_from_zero(&self, i: usize) -> f64 {
-        let group = self.groups[i];
+    /// Says that the torque that it is named for may be none. In the direction g that was fitted, gᵀβ has the larger of the variance that
+    /// residuals with a memory give and of the jackknife's over blocks, and (gᵀβ)²/variance is d F of d coefficients and one block less
+    /// than there are where nothing is. A change is compared also with what calibration recordings differ by among themselves.
+    fn too_near_zero(&self, i: usize) -> Option<String> {
+        let (group, whole, problem) = (self.groups[i], &self.whole, &self.investigation.problem);
         let named: Vec<Switch> =
             group.switches.iter().filter(|s| !group.accessory.contains(s)).copied().collect();
-        let places: Vec<usize> =
-            named.iter().filter_map(|s| self.whole.place(s.column, s.target_only)).collect();
-        if let [only] = places.as_slice() {
-            let value = self.whole.fit.coefficients[*only].abs();
-            return value / self.whole.deviations[*only].max(f64::MIN_POSITIVE);
-        }
-        let problem = &self.investigation.problem;
-        let gram = problem.cross(problem.total(), &named, &named, &self.whole.weights);
-        let n = named.len();
-        let along = |coefficients: &[f64]| -> f64 {
-            let mut product = 0.0;
-            for (b, at_b) in places.iter().enumerate() {
-                for (a, at_a) in places.iter().enumerate() {
-                    product += gram[b * n + a] * coefficients[*at_a] * self.whole.fit.coefficients[*at_b];
-                }
+        let gram = problem.cross(problem.total(), &named, &named, &whole.weights);
+        let places: Vec<Option<usize>> = named.iter().map(|s| whole.place(s.column, s.target_only)).collect();
+        let mut direction = vec![0.0; whole.switches.len()];
+        for (products, at_b) in gram.chunks_exact(named.len().max(1)).zip(&places) {
+            let Some(value) = at_b.map(|b| whole.fit.coefficients[b]) else { continue };
+            for (product, at_a) in products.iter().zip(&places) {
+                at_a.iter().for_each(|a| direction[*a] += product * value);
             }
-            product
+        }
+        let size = dot(&direction, &whole.fit.coefficients).max(0.0);
+        let away = |factor: f64| size / whole.deviation(problem, &direction, factor).max(f64::MIN_POSITIVE);
+        let d = places.iter().flatten().count().max(1) as f64;
+        let least = |freedom: f64, level: f64| {
+            let f = FisherSnedecor::new(d, freedom);
+            f.map_or(f64::INFINITY, |f| (d * f.inverse_cdf(1.0 - level)).sqrt())
         };
-        let size = along(&self.whole.fit.coefficients);
-        let of_given = self.whole.of_given.as_ref().map_or(0.0, |covariance| {
-            let columns = covariance.chunks_exact(self.whole.switches.len());
-            along(&columns.map(along).collect::<Vec<_>>()).max(0.0)
-        });
-        let deviation = self.whole.resampled.std(along).hypot(of_given.sqrt());
-        if size > 0.0 { size / deviation.max(f64::MIN_POSITIVE) } else { 0.0 }
+        let blocks = problem.blocks();
+        let [sure, from_zero] = [least(blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
+        if from_zero < sure {
+            return Some(format!(
+                "it is {from_zero:.1} σ from zero; {blocks} blocks of time require {sure:.1} σ"
+            ));
+        }
+        let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
+        let [sure, from_zero] = [least(freedom, self.level), away(factor)];
+        (from_zero < sure).then(|| {
+            format!(
+                "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times noise; \
+                 {sure:.1} σ are required"
+            )
+        })
     }
 
     /// Share of the blocks of time on which it lowers the squared error of its joints.

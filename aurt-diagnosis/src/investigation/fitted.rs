@@ -3,7 +3,10 @@
 use aurt_traits::RobotModel;
 
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::deviations::{Resampled, beside_given};
+use crate::evidence::between::{Between, Inflation};
+use crate::evidence::deviations::{Resampled, beside_given, memory};
+use crate::evidence::gram::dot;
+use crate::evidence::linear::Cholesky;
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
@@ -21,19 +24,37 @@ pub(crate) struct Fitted {
     pub(crate) fit: TotalFit,
     /// One over the residual's variance, joint by joint.
     pub(crate) weights: Vec<f64>,
-    /// Standard deviations, memory and misfit of the residual included.
+    /// Standard deviations, memory and misfit of the residual included, and what calibration recordings differ by.
     pub(crate) deviations: Vec<f64>,
     /// The same model fitted without one block of time after the other.
     pub(crate) resampled: Resampled,
     /// The covariance that a given model's has beside it, column-major; it is part of the deviations.
     pub(crate) of_given: Option<Vec<f64>>,
+    independent_share: f64,
+    /// By how much calibration recordings differ among themselves in the coefficients of changes.
+    inflations: Vec<(Vec<Switch>, Inflation)>,
 }
 
 impl Fitted {
     /// Fits switches to all rows that fit.
     pub(crate) fn new(investigation: &Investigation, switches: Vec<Switch>) -> Self {
-        let Investigation { problem, floor, mean_independent_share, .. } = investigation;
-        Self::of(problem, floor, *mean_independent_share, switches)
+        let Investigation { problem, floor, mean_independent_share, rows, layout, groups, .. } =
+            investigation;
+        let mut fitted = Self::of(problem, floor, *mean_independent_share, switches);
+        let (switches, weights) = (&fitted.switches, &fitted.weights);
+        let between = || Between::new(rows, layout, switches, weights, *mean_independent_share);
+        let is_change = switches.iter().any(|s| s.target_only);
+        let Some(between) = is_change.then(between).flatten() else { return fitted };
+        let is_fitted = |g: &&Group| g.target_only() && g.switches.iter().all(|s| switches.contains(s));
+        let of = |group: &Group| Some((group.switches.clone(), between.inflation(group, groups)?));
+        fitted.inflations = groups.iter().filter(is_fitted).filter_map(of).collect();
+        for (own, inflation) in &fitted.inflations {
+            for (k, _) in fitted.switches.iter().enumerate().filter(|(_, s)| own.contains(s)) {
+                let inflated = fitted.deviation_of(k, inflation.factor);
+                fitted.deviations[k] = fitted.deviations[k].max(inflated);
+            }
+        }
+        fitted
     }
 
     /// Fits switches to a problem, of whose rows a share is independent.
@@ -45,13 +66,40 @@ impl Fitted {
     ) -> Self {
         let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
-        let mut deviations = resampled.deviations(&fit, independent_share);
         let of_given = beside_given(problem, &switches, &weights);
-        for (k, deviation) in deviations.iter_mut().enumerate() {
-            let variance = of_given.as_ref().map_or(0.0, |c| c[k * (switches.len() + 1)].max(0.0));
-            *deviation = deviation.hypot(variance.sqrt());
-        }
-        Self { switches, fit, weights, deviations, resampled, of_given }
+        let (deviations, inflations) = (Vec::new(), Vec::new());
+        let mut fitted =
+            Self { switches, fit, weights, deviations, resampled, of_given, independent_share, inflations };
+        fitted.deviations = (0..fitted.switches.len()).map(|k| fitted.deviation_of(k, 1.0)).collect();
+        fitted
+    }
+
+    /// Standard deviation of a coefficient: the larger of what residuals with a memory give, times a factor, and of the jackknife, which
+    /// sees that a wrong model errs differently at other times.
+    fn deviation_of(&self, k: usize, factor: f64) -> f64 {
+        let of_memory = (self.fit.variance[k] * memory(self.independent_share)).sqrt();
+        let n = self.switches.len();
+        let of_given = self.of_given.as_ref().map_or(0.0, |c| c[k * (n + 1)].max(0.0));
+        (factor * of_memory).max(self.resampled.std(|c| c[k])).hypot(of_given.sqrt())
+    }
+
+    /// By how much calibration recordings differ among themselves in a hypothesis of a change, if it is fitted and they tell.
+    pub(super) fn inflation(&self, group: &Group) -> Option<Inflation> {
+        self.inflations.iter().find(|(own, _)| *own == group.switches).map(|(_, inflation)| *inflation)
+    }
+
+    /// Standard deviation of a linear function gᵀβ of the coefficients, as that of each.
+    pub(super) fn deviation(&self, problem: &Problem, g: &[f64], factor: f64) -> f64 {
+        let (switches, n) = (&self.switches[..], self.switches.len());
+        let mut forward = g.to_vec();
+        Cholesky::new(&problem.cross(problem.total(), switches, switches, &self.weights), n)
+            .forward(&mut forward);
+        let of_memory = (dot(&forward, &forward) * memory(self.independent_share)).sqrt();
+        let of_given = self.of_given.as_ref().map_or(0.0, |covariance| {
+            let columns = covariance.chunks_exact(n).zip(g);
+            columns.map(|(column, of)| of * dot(column, g)).sum::<f64>().max(0.0)
+        });
+        (factor * of_memory).max(self.resampled.std(|c| dot(g, c))).hypot(of_given.sqrt())
     }
 
     /// The coefficients of the model's own columns: those of a baseline, and the fitted ones where these were fitted.

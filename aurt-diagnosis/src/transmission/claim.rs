@@ -347,9 +347,11 @@ impl Found {
         }
         let possible = |a: &f64| (AMPLITUDE[0]..=AMPLITUDE[1]).contains(a);
         if !amplitudes.iter().chain([&self.amplitude]).all(possible) {
+            let halves: Vec<String> = amplitudes.iter().map(|a| format!("{a:.2}")).collect();
             fails.push(format!(
-                "its torque is {:.2} times the value that the link's inertia implies",
-                self.amplitude
+                "its torque is {:.2} times the value that the link's inertia implies ({} in the halves of the data)",
+                self.amplitude,
+                halves.join(" and ")
             ));
         }
         let ratio = |a: f64, b: f64| (a / b).max(b / a);

@@ -1,0 +1,176 @@
+//! By how much calibration recordings differ among themselves in what a change is made of.
+//!
+//! Friction is another every day, and within a recording it drifts: a machine that nobody has touched differs from one recording to the next
+//! by more than what the noise of rows explains. With S of a hypothesis' columns C on one calibration recording alone, freed of the
+//! model X that is fitted to all of them, the statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
+//! freedom as there are columns, times the memory of the residual e, where no recording differs from the others.
+
+use crate::evidence::deviations::memory;
+use crate::evidence::gram::dot;
+use crate::evidence::linear::Cholesky;
+use crate::evidence::refit::series;
+use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::rows::{Layout, RecordingRows, Role};
+
+/// Calibration recordings beside the model that is fitted to them.
+pub(crate) struct Between<'a> {
+    recordings: Vec<&'a RecordingRows>,
+    layout: &'a Layout,
+    columns: Vec<usize>,
+    weights: &'a [f64],
+    memory: f64,
+    gram: Cholesky,
+    /// What the model leaves of each, `[recording][joint]`.
+    left: Vec<Vec<Vec<f64>>>,
+}
+
+impl<'a> Between<'a> {
+    /// Fits the coefficients of all recordings among some to the calibration recordings; `None` with less than two of these.
+    pub(crate) fn new(
+        rows: &'a [RecordingRows],
+        layout: &'a Layout,
+        switches: &[Switch],
+        weights: &'a [f64],
+        independent_share: f64,
+    ) -> Option<Self> {
+        let recordings: Vec<_> =
+            rows.iter().filter(|r| r.role == Role::Calibration && r.rows() > 0).collect();
+        if recordings.len() < 2 {
+            return None;
+        }
+        let columns: Vec<usize> = switches.iter().filter(|s| !s.target_only).map(|s| s.column).collect();
+        let n = columns.len();
+        let (mut gram, mut right) = (vec![0.0; n * n], vec![0.0; n]);
+        for recording in &recordings {
+            for ((series, joint), w) in
+                series(recording, layout, &columns).iter().zip(&recording.joints).zip(weights)
+            {
+                for (a, x) in series {
+                    right[*a] += w * dot(x, &joint.measurement);
+                    series.iter().filter(|(b, _)| b >= a).for_each(|(b, y)| gram[b * n + a] += w * dot(x, y));
+                }
+            }
+        }
+        for a in 0..n {
+            for b in 0..a {
+                gram[b * n + a] = gram[a * n + b];
+            }
+        }
+        let gram = Cholesky::new(&gram, n);
+        let coefficients = gram.solve(&right);
+        let value =
+            |column: &usize| columns.iter().position(|c| c == column).map_or(0.0, |k| coefficients[k]);
+        let left = recordings.iter().map(|recording| {
+            let of_joint =
+                |(j, row): (usize, &Vec<usize>)| recording.joints[j].residual(row.iter().map(value));
+            layout.rows.iter().enumerate().map(of_joint).collect()
+        });
+        let left = left.collect();
+        Some(Self { recordings, layout, columns, weights, memory: memory(independent_share), gram, left })
+    }
+
+    /// The factor by which the deviations of a change exceed those that the noise of rows gives it: the mean square of what is no change,
+    /// half of it from the hypothesis itself and half from the same effect on other joints, as far as either tells; degrees of freedom by
+    /// Satterthwaite (*Biometrics Bulletin* 2, 1946).
+    pub(crate) fn inflation(&self, group: &Group, groups: &[Group]) -> Option<Inflation> {
+        let is_alike = |g: &&Group| g.effect == group.effect && g.target_only() && g.joints != group.joints;
+        let alike = groups.iter().filter(is_alike).filter_map(|g| self.mean_square(g));
+        let [others, freedom] =
+            alike.fold([0.0; 2], |[sum, all], [square, own]| [sum + square * own, all + own]);
+        let parts = [self.mean_square(group), (freedom > 0.0).then(|| [others / freedom, freedom])];
+        let shares: Vec<[f64; 2]> = parts.into_iter().flatten().collect();
+        let share = (shares.len() as f64).recip();
+        let square: f64 = shares.iter().map(|[square, _]| share * square).sum();
+        let spread: f64 = shares.iter().map(|[square, freedom]| (share * square).powi(2) / freedom).sum();
+        (square > 0.0).then(|| Inflation { factor: square.sqrt(), freedom: square * square / spread })
+    }
+
+    /// The mean over recordings of the statistic of each, over its expectation from noise, and its degrees of freedom; `None` where the
+    /// model takes up all.
+    fn mean_square(&self, group: &Group) -> Option<[f64; 2]> {
+        let columns: Vec<usize> = group.switches.iter().map(|s| s.column).collect();
+        let (d, n) = (columns.len(), self.columns.len());
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (recording, left) in self.recordings.iter().zip(&self.left) {
+            let (mut score, mut own, mut cross) = (vec![0.0; d], vec![0.0; d * d], vec![0.0; d * n]);
+            let of_group = series(recording, self.layout, &columns);
+            let of_model = series(recording, self.layout, &self.columns);
+            for (((of_group, of_model), left), w) in
+                of_group.iter().zip(&of_model).zip(left).zip(self.weights)
+            {
+                for (a, x) in of_group {
+                    score[*a] += w * dot(x, left);
+                    of_group.iter().for_each(|(b, y)| own[b * d + a] += w * dot(x, y));
+                    of_model.iter().for_each(|(k, y)| cross[a * n + k] += w * dot(x, y));
+                }
+            }
+            cross.chunks_exact_mut(n.max(1)).for_each(|column| self.gram.forward(column));
+            let taken = |a: usize, b: usize| dot(&cross[a * n..(a + 1) * n], &cross[b * n..(b + 1) * n]);
+            let free: Vec<f64> = (0..d * d).map(|k| own[k] - taken(k / d, k % d)).collect();
+            let information = Cholesky::new(&free, d);
+            sum += dot(&score, &information.solve(&score));
+            count += information.used().iter().filter(|used| **used).count() as f64;
+        }
+        // The model that all are fitted to takes what one of them would tell.
+        let freedom = count * (1.0 - (self.recordings.len() as f64).recip());
+        (count > 0.0).then(|| [sum / count / self.memory, freedom])
+    }
+}
+
+/// The factor by which recordings of a machine that nobody has touched differ more than noise explains.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Inflation {
+    pub(crate) factor: f64,
+    /// Degrees of freedom of its square.
+    pub(crate) freedom: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::friction_level_changed::EFFECT;
+    use crate::recordings::rows::JointRows;
+
+    /// Recordings of a joint that turns to and fro against friction of some levels, with errors ±1.
+    fn recordings(levels: &[f64]) -> Vec<RecordingRows> {
+        let recording = |level: &f64| {
+            let sign: Vec<f64> = (0..400).map(|k| if k / 50 % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let measured = |(k, sign): (usize, &f64)| level * sign + if k % 2 == 0 { 1.0 } else { -1.0 };
+            let measurement = sign.iter().enumerate().map(measured).collect();
+            let joint = JointRows { data: sign, measurement, ..JointRows::default() };
+            RecordingRows {
+                name: "a motion".into(),
+                role: Role::Calibration,
+                rate_hz: 20.0,
+                time_s: (0..400).map(|k| f64::from(k) * 0.05).collect(),
+                segment_starts: vec![0, 400],
+                joints: vec![joint],
+            }
+        };
+        levels.iter().map(recording).collect()
+    }
+
+    /// Two levels that differ by d leave ± d/2, of which each of n rows tells half: χ² is n d²/2.
+    #[test]
+    fn recordings_that_differ_widen_the_deviations_of_changes() {
+        let layout = Layout { coefficients: 1, rows: vec![vec![0]], first_instrument: 1 };
+        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
+        let group = Group {
+            effect: &EFFECT,
+            joints: vec![0],
+            candidate: 0,
+            switches: vec![switch(true)],
+            accessory: Vec::new(),
+            shapes: 0,
+        };
+        let groups = [group];
+        let inflation = |levels: &[f64]| {
+            let rows = recordings(levels);
+            let between = Between::new(&rows, &layout, &[switch(false), switch(true)], &[1.0], 1.0)?;
+            Some(between.inflation(&groups[0], &groups)?.factor)
+        };
+        assert!(inflation(&[5.0, 5.0]).is_none_or(|factor| factor < 1e-6));
+        assert!((inflation(&[5.0, 6.0]).unwrap() - 200.0_f64.sqrt()).abs() < 1e-9);
+        assert!(inflation(&[5.0]).is_none());
+    }
+}
