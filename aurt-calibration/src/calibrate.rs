@@ -9,7 +9,7 @@ use crate::{
     errors_in_positions::{Fitted, Looked, Shift, look},
     essential::{Full, eliminate},
     estimate,
-    excitation::warnings,
+    excitation::{at_rest, warnings},
     physical,
     robust::{Loss, reweight},
     rows::{Accumulated, Observed, accumulate_ranged, check, ranges},
@@ -165,6 +165,7 @@ pub(crate) fn finished(
         .collect();
     let robot = model.names();
     let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
+    warnings.extend(rows.and_then(|rows| at_rest(&rows, robot)));
     warnings.extend(consistent.iter().flat_map(|report| report.warnings(robot)));
     warnings.extend(position_bias.iter().filter_map(|bias| bias.overwhelming(robot)));
     warnings.extend(position_bias.iter().filter_map(PositionBias::warning));

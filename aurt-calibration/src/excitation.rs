@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::CalibratedParameter;
+use aurt_traits::RobotNames;
+
+use crate::rows::Observed;
+use crate::{CalibratedParameter, Rest};
 
 /// A standard deviation above this share of the value: the interval then includes zero.
 const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;
@@ -46,6 +49,30 @@ pub fn hardly_excited(condition_number: f64) -> Option<String> {
         format!(
             "the condition number is {condition_number:.0}, above {LARGE_CONDITION_NUMBER}: a combination of parameters is \
              hardly excited"
+        )
+    })
+}
+
+/// What rows at rest say against friction that was fitted to them.
+pub(crate) fn at_rest(rows: &Observed<'_>, names: RobotNames<'_>) -> Option<String> {
+    let options = rows.options;
+    let share = |joint: usize| {
+        let [mut rests, mut all] = [0, 0];
+        for segment in rows.recordings.iter().flat_map(|r| &r.data.segments) {
+            let speeds = segment.motion.view().velocity_rad_s(joint);
+            rests += speeds.iter().filter(|v| v.abs() <= options.rest_velocity_rad_s).count();
+            all += speeds.len();
+        }
+        if rests < all { rests as f64 / all as f64 } else { 0.0 }
+    };
+    let shares: Vec<f64> = (0..rows.model.joints()).map(share).collect();
+    let joints: Vec<usize> = (0..shares.len()).filter(|j| shares[*j] > Rest::MOST_KEPT).collect();
+    (options.rest == Rest::Keep && !joints.is_empty()).then(|| {
+        format!(
+            "{} rest in up to {:.0} % of the rows, where the sign of the velocity is that of noise, so that their friction comes out too small; \
+             leave these rows out with `rest = \"exclude\"` of [calibration]",
+            names.joint_list(&joints),
+            100.0 * shares.iter().copied().fold(0.0, f64::max)
         )
     })
 }

@@ -65,6 +65,10 @@ pub enum Rest {
 impl Rest {
     /// Both, as experiments, options and results write them.
     pub const NAMES: [(&str, Self); 2] = [("keep", Self::Keep), ("exclude", Self::Exclude)];
+
+    /// Share of a joint's rows at rest from which they should not be kept. Dry friction has the sign of the velocity, at rest that of noise:
+    /// its level comes out too low by up to the power of this sign behind the parallel filter, some 0.4, times the share.
+    pub const MOST_KEPT: f64 = 0.1;
 }
 
 /// What standard deviations count.

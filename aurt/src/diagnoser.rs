@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_calibration::{Calibration, TermScopes};
+use aurt_calibration::{Calibration, Rest, TermScopes};
 use aurt_diagnosis::{
     Answer, Improvement, Investigation, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, improvement, investigate, series, write_verdict,
@@ -273,7 +273,10 @@ impl Diagnoser {
             scopes.push(scope.clone());
         }
         let (body, base) = (self.model.rigid_body().clone(), self.model.base().clone());
-        let Settings { preprocessing, instrument, calibration } = self.settings.clone();
+        let Settings { preprocessing, instrument, mut calibration } = self.settings.clone();
+        if found.exclude_rest {
+            calibration.rest = Rest::Exclude;
+        }
         let job = Job {
             model: RobotModel::new(body, base, self.model.stacks().to_vec(), terms)?,
             preprocessing,
@@ -281,10 +284,9 @@ impl Diagnoser {
             options: calibration,
             scopes: TermScopes::new(scopes),
         };
-        let has_target = self.parts.iter().any(|part| part.role == Role::Target);
         let fitted = |role: Role| match role {
             Role::Calibration => true,
-            Role::Target => found.calibrate_on_target || has_target,
+            Role::Target => found.calibrate_on_target,
             Role::Validation => false,
         };
         let assigned: Vec<Assigned> = self

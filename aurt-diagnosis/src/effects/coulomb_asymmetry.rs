@@ -44,6 +44,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("coulomb_neg_nm", Unit::Torque).never_negative(),
     ],
     generalises: &[&coulomb::EFFECT],
+    contrast: &[1.0, -1.0],
     same_force: &[&current_offset::EFFECT],
     propose: |context| {
         let term = |j: usize| json!({"model": "coulomb_asymmetric", "joints": [j]});

@@ -50,6 +50,7 @@ pub static EFFECT: Effect = Effect {
     ],
     generalises: &[&coulomb::EFFECT],
     reads_model: true,
+    is_essential: |coefficient| coefficient > 0,
     propose: |context| {
         let proposal = |j: usize, (model, power): (&str, f64)| {
             // The first column is a plain Coulomb level, of which the model may have too much.

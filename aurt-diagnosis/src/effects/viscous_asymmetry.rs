@@ -42,6 +42,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("viscous_neg_nm_s", Unit::Damping).never_negative(),
     ],
     generalises: &[&viscous::EFFECT],
+    contrast: &[1.0, -1.0],
     propose: |context| {
         let term = |j: usize| json!({"model": "viscous_asymmetric", "joints": [j]});
         (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aurt_calibration::Rest;
 use aurt_plugins::Origin;
 use aurt_traits::JointStack;
 use serde_json::Value;
@@ -11,7 +12,7 @@ use crate::effects::stribeck;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::investigation::Investigation;
-use crate::recordings::rows::{Instrument, Role};
+use crate::recordings::rows::{Instrument, JointRows, Role, STANDING_RAD_S};
 use crate::request::Question;
 use crate::vocabulary::{AROUND, Addition};
 
@@ -26,6 +27,8 @@ pub struct Improvement {
     pub delay_s: Option<Vec<f64>>,
     /// Whether target recordings join the calibration ones.
     pub calibrate_on_target: bool,
+    /// Whether rows of joints that stand are left out of the calibration, as the diagnosis leaves them out.
+    pub exclude_rest: bool,
     /// Libraries that the terms' models are from.
     pub libraries: Vec<PathBuf>,
     /// What could not be put into the experiment, and why.
@@ -52,11 +55,15 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         .into_iter()
         .collect();
     let mut improvement = Improvement {
-        calibrate_on_target: investigation.problem.has_target() && investigation.problem.has_reference(),
+        calibrate_on_target: question.recordings.iter().any(|r| r.role == Role::Target),
+        exclude_rest: investigation.rows.iter().flat_map(|r| &r.joints).any(stands_long),
         ..Improvement::default()
     };
+    // What is in the targets and in no term of the improved model.
+    let mut left_in_targets = false;
     if let Some(late) = &investigation.late {
         if late.delay.target_only && investigation.problem.has_reference() {
+            left_in_targets = true;
             improvement.notes.push(
                 "the delay is in the target recordings only; `[instrument]` holds for all recordings, so it was not \
                  added"
@@ -67,6 +74,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         }
     }
     for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
+        left_in_targets |= !gear.present[0];
         improvement.notes.push(format!(
             "the gear of {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
              in its parameters describes a link that rings on its motor",
@@ -93,6 +101,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
             Addition::Instrument(joint, which) => {
                 let found = value(candidate.columns[0], group.target_only());
                 if scope.is_some() {
+                    left_in_targets = true;
                     improvement.notes.push(format!(
                         "{} on {} is in the target recordings only; `[instrument]` holds for all \
                          recordings, so it was not added",
@@ -112,7 +121,24 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
             }
         }
     }
+    if left_in_targets && improvement.calibrate_on_target {
+        // Terms of the targets alone are calibrated on the targets alone.
+        improvement.calibrate_on_target = improvement.terms.iter().any(|(_, scope)| scope.is_some());
+        let consequence = if improvement.calibrate_on_target {
+            "the improved model is calibrated on targets that differ in something that it lacks"
+        } else {
+            "the target recordings take no part in the calibration of the improved model"
+        };
+        improvement.notes.push(consequence.into());
+    }
     improvement
+}
+
+/// Whether a joint moves and stands for so many of its rows that these should not be kept.
+fn stands_long(joint: &JointRows) -> bool {
+    let rows = joint.counts.iter().zip(&joint.velocity_rad_s);
+    let stands = rows.filter(|(counts, v)| !**counts && v.abs() < STANDING_RAD_S).count();
+    joint.counts.contains(&true) && stands as f64 > Rest::MOST_KEPT * joint.counts.len() as f64
 }
 
 /// Leaves the level out of Stribeck friction on a joint whose own friction has it: two columns would be the same.
@@ -180,6 +206,12 @@ pub fn improved_experiment(source: &str, improvement: &Improvement) -> Result<St
                 target.decor_mut().clear();
                 calibration.push(target);
             }
+        }
+    }
+    if improvement.exclude_rest {
+        let calibration = document.entry("calibration").or_insert_with(|| Item::Table(Table::new()));
+        if let Some(calibration) = calibration.as_table_like_mut() {
+            calibration.entry("rest").or_insert(Item::Value("exclude".into()));
         }
     }
     if !improvement.libraries.is_empty() {
@@ -286,6 +318,7 @@ mod tests {
         }
         add_term(&mut improvement.terms, &json!({"model": "payload", "link": 5}), Some(vec!["b.csv".into()]));
         improvement.gain_factors = Some(vec![1.0, 0.5]);
+        improvement.exclude_rest = true;
         let text = improved_experiment(source, &improvement).unwrap();
         assert!(text.starts_with("schema = 1 # first"), "{text}");
         assert!(text.contains("calibration = [\"a.csv\", \"b.csv\"]") && !text.contains("target"), "{text}");
@@ -293,6 +326,9 @@ mod tests {
         assert_eq!(text.matches("joint_compliance").count(), 2, "{text}");
         assert!(text.contains("recordings = [\"b.csv\"]"), "{text}");
         assert!(text.contains("gains = [1.0, 0.5]"), "{text}");
+        assert!(text.contains("[calibration]\nrest = \"exclude\""), "{text}");
+        let kept = format!("{source}[calibration]\nrest = \"keep\"\n");
+        assert!(!improved_experiment(&kept, &improvement).unwrap().contains("exclude"));
     }
 
     /// The level of dry friction is the joint's own; where it has none, or another law of motion, the term keeps it.

@@ -16,6 +16,7 @@ use crate::evidence::gram::dot;
 use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
+use crate::investigation::common::is_in_all;
 use crate::investigation::fitted::Fitted;
 use crate::parameters::Parameters;
 use crate::recordings::rows::{RecordingRows, mean_rate_hz};
@@ -204,6 +205,9 @@ impl<'a> Trial<'a> {
         let mut fails: Vec<String> =
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         fails.extend(self.too_near_zero(i));
+        if fails.is_empty() {
+            fails.extend(is_in_all(self.investigation, group));
+        }
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
         if !self.lowers_error(i, kinds) {
             let least = self.joints[i].iter().map(|j| self.least[*j]).fold(f64::INFINITY, f64::min);
@@ -224,38 +228,44 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// Says that the torque that it is named for may be none. In the direction g that was fitted, gᵀβ has the larger of the variance that
-    /// residuals with a memory give and of the jackknife's over blocks, and (gᵀβ)²/variance is d F of d coefficients and one block less
-    /// than there are where nothing is. A change is compared also with what calibration recordings differ by among themselves.
+    /// Says that the torque that it is named for may be none. In the direction g that was fitted (or the effect's contrast), gᵀβ has the
+    /// larger of the deviation that residuals with a memory give and of the jackknife's over blocks, of which there are so many that
+    /// their ratio is Student's t where nothing is. A change is compared also with what calibration recordings differ by among themselves:
+    /// where that is all, the square of the ratio over the number of coefficients is F.
     fn too_near_zero(&self, i: usize) -> Option<String> {
         let (group, whole, problem) = (self.groups[i], &self.whole, &self.investigation.problem);
         let named: Vec<Switch> =
             group.switches.iter().filter(|s| !group.accessory.contains(s)).copied().collect();
-        let gram = problem.cross(problem.total(), &named, &named, &whole.weights);
         let places: Vec<Option<usize>> = named.iter().map(|s| whole.place(s.column, s.target_only)).collect();
+        let contrast = group.effect.contrast;
+        let (weights, d) = if contrast.len() == named.len() {
+            (contrast.to_vec(), 1.0)
+        } else {
+            let values: Vec<f64> =
+                places.iter().map(|at| at.map_or(0.0, |at| whole.fit.coefficients[at])).collect();
+            let gram = problem.cross(problem.total(), &named, &named, &whole.weights);
+            let weights = gram.chunks_exact(named.len().max(1)).map(|products| dot(products, &values));
+            (weights.collect(), places.iter().flatten().count().max(1) as f64)
+        };
         let mut direction = vec![0.0; whole.switches.len()];
-        for (products, at_b) in gram.chunks_exact(named.len().max(1)).zip(&places) {
-            let Some(value) = at_b.map(|b| whole.fit.coefficients[b]) else { continue };
-            for (product, at_a) in products.iter().zip(&places) {
-                at_a.iter().for_each(|a| direction[*a] += product * value);
-            }
+        for (weight, at) in weights.iter().zip(&places) {
+            at.iter().for_each(|at| direction[*at] = *weight);
         }
-        let size = dot(&direction, &whole.fit.coefficients).max(0.0);
+        let size = dot(&direction, &whole.fit.coefficients).abs();
         let away = |factor: f64| size / whole.deviation(problem, &direction, factor).max(f64::MIN_POSITIVE);
-        let d = places.iter().flatten().count().max(1) as f64;
-        let least = |freedom: f64, level: f64| {
+        let least = |d: f64, freedom: f64, level: f64| {
             let f = FisherSnedecor::new(d, freedom);
             f.map_or(f64::INFINITY, |f| (d * f.inverse_cdf(1.0 - level)).sqrt())
         };
         let blocks = problem.blocks();
-        let [sure, from_zero] = [least(blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
+        let [sure, from_zero] = [least(1.0, blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
         if from_zero < sure {
             return Some(format!(
                 "it is {from_zero:.1} σ from zero; {blocks} blocks of time require {sure:.1} σ"
             ));
         }
         let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
-        let [sure, from_zero] = [least(freedom, self.level), away(factor)];
+        let [sure, from_zero] = [least(d, freedom, self.level), away(factor)];
         (from_zero < sure).then(|| {
             format!(
                 "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times noise; \

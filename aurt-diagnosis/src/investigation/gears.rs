@@ -72,7 +72,9 @@ pub(super) fn without_gears(
             gears = found;
         }
         if !confirmed {
-            freed = freed.filter(|_| !is_last);
+            // Those of the turn before stay if their size is known.
+            gears.found.iter_mut().for_each(Shaking::require_size);
+            freed = freed.filter(|_| !is_last && gears.found.iter().any(|g| g.confirmed));
             break;
         }
         freed = refitted(question, &original, (&fit, &inertial), &mut gears.found, of_all)?;

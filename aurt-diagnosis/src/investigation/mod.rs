@@ -1,6 +1,7 @@
 //! The walk through all rooms, from recordings to what was found.
 
 mod agreement;
+mod common;
 mod contacts;
 mod delay_scan;
 mod earned;

@@ -359,7 +359,7 @@ fn instrument_rows(
 }
 
 /// A joint stands if it stays below this speed, rad/s …
-const STANDING_RAD_S: f64 = 0.03;
+pub(crate) const STANDING_RAD_S: f64 = 0.03;
 
 /// … for at least this time, s. Reversals are shorter.
 const STANDING_S: f64 = 0.4;

@@ -156,6 +156,13 @@ impl<'a> JointRows<'a> {
             .collect()
     }
 
+    /// What a gear gains in the calibration recordings with the amplitude that suits them, nats: a link that rings for long is soon out of
+    /// phase with a simulated one that is a little softer.
+    pub fn gain_in_calibration(&self, shape: Shape) -> f64 {
+        let blocks = self.blocks(Among::All).into_iter().filter(|(s, _)| !self.target[*s]);
+        fitted_gain(sums(&self.moments(&self.all, shape), &blocks.collect::<Vec<_>>()))
+    }
+
     /// How the torques of starts go with the residual of the joint's own rows.
     pub fn scan<'s>(&self, starts: &'s [Shape]) -> Scan<'s> {
         Scan { starts, moments: starts.iter().map(|s| self.moments(&self.own, *s)).collect() }

@@ -273,7 +273,7 @@ fn of_joint(
         let scan = rows.scan(starts);
         let found = rows.search(&scan, Among::All, level);
         let found = if kinds == [true; 2] {
-            changed(found, rows.search(&scan, Among::Targets, level))
+            changed(rows, found, rows.search(&scan, Among::Targets, level))
         } else {
             found
         };
@@ -305,12 +305,18 @@ fn of_joint(
     Ok(of_joint)
 }
 
-/// Of a gear among all recordings and one among the targets alone, the one that the recordings speak for.
-fn changed(all: Option<Found>, targets: Option<Found>) -> Option<Found> {
-    let in_reference = all.as_ref().is_some_and(|a| a.confirmed() && a.gains[0] >= LEAST_GAIN / 2.0);
+/// Of a gear among all recordings and one among the targets alone, the one that the recordings speak for. Targets whose motion shows more
+/// of a gear do not change it: that of the targets is in the calibration recordings where these have its torque as well.
+fn changed(rows: &JointRows<'_>, all: Option<Found>, targets: Option<Found>) -> Option<Found> {
+    let shows = |gain: f64| gain >= LEAST_GAIN / 2.0;
+    let in_reference = all.as_ref().is_some_and(|a| a.confirmed() && shows(a.gains[0]));
     match (all, targets) {
         (Some(all), _) if in_reference => Some(all),
-        (_, Some(targets)) if targets.confirmed() => Some(targets),
+        (_, Some(mut targets)) if targets.confirmed() => {
+            let gain = rows.gain_in_calibration(targets.shape);
+            targets.gains[0] = if shows(gain) { gain } else { 0.0 };
+            Some(targets)
+        }
         (all, targets) => all.filter(Found::confirmed).or(targets),
     }
 }

@@ -108,6 +108,9 @@ pub struct Effect {
     /// Whether a coefficient of its proposals, counted from 0, is what the effect is named for. Without these, the others
     /// are another effect: a motor's inertia is no coupling *friction*, a constant no spring.
     pub is_essential: fn(usize) -> bool,
+    /// The sum of weighted coefficients that the effect is named for, where it is not all that are essential: friction of one level in both
+    /// directions does not differ by direction.
+    pub contrast: &'static [f64],
     /// Terms that would describe the effect on this robot; none where it is found by other means.
     pub propose: fn(&Context<'_>) -> Vec<Proposal>,
     /// Its parameters beside the joint's own friction, where they are not the fitted coefficients themselves.
@@ -150,6 +153,7 @@ impl Effect {
         same_force: &[],
         same_under: |_| None,
         is_essential: |_| true,
+        contrast: &[],
         propose: |_| Vec::new(),
         estimate: None,
         wording: None,

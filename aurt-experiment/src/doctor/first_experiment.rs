@@ -9,6 +9,7 @@ use aurt::{
     data::{Loaded, Preprocessing, Purpose, Source},
     duplicates::{SampleRegister, UsedSeries},
 };
+use aurt_calibration::Rest;
 use aurt_diagnosis::Role;
 use aurt_files::escaped;
 use aurt_plugins::Registry;
@@ -305,6 +306,15 @@ fn text(
              f_dyn_hz = {f:?}\n"
         )),
         None => text.push_str("\n[preprocess]\nf_dyn_hz = 10.0      # guessed: nothing moves that would tell\n"),
+    }
+    let joints = looked.iter().flat_map(|l| &l.inspected.joints).filter(|j| j.moves());
+    let rests = joints.map(|j| 1.0 - j.moving_share).fold(0.0, f64::max);
+    if rests > Rest::MOST_KEPT {
+        text.push_str(&format!(
+            "\n[calibration]\n# Joints rest for up to {:.0} % of a recording. There the sign of the velocity is that of noise, and so would be \
+             the model's friction.\nrest = \"exclude\"\n",
+            100.0 * rests
+        ));
     }
     text
 }

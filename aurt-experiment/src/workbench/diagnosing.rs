@@ -198,8 +198,6 @@ impl Found<'_> {
     ) -> Result<Improved, Failure> {
         let Self { experiment, options, question, investigation } = self;
         let mut improvement = improvement(question, investigation);
-        // A given model is improved by what is added to its own experiment's structure, fitted anew.
-        improvement.calibrate_on_target |= question.recordings.iter().any(|r| r.role == Role::Target);
         improvement.libraries.retain(|library| !is_named(library, experiment));
         let moved = Moved::new(&experiment.path, folder);
         let mut here = improved_experiment(&experiment.source_text, &improvement)?;
