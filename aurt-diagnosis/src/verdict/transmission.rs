@@ -17,6 +17,13 @@ pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investig
     confirmed.map(|s| finding(question, s)).collect()
 }
 
+/// Whether a gear of all recordings that fails a test is beyond chance, and none passes: something is there that is not known.
+pub(crate) fn is_gear_hinted(question: &Question<'_>, investigation: &Investigation) -> bool {
+    let gears = &investigation.shaking;
+    let is_rare = |g: &Shaking| g.present[0] && g.p <= question.selection.level;
+    gears.iter().any(is_rare) && gears.iter().all(|g| !g.confirmed)
+}
+
 /// Gears that pass only part of the tests, each with those that it fails; none of those that the pose of the link shows.
 pub(crate) fn shaking_indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
     let chosen = || investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);

@@ -19,7 +19,7 @@ use crate::verdict::faults::fault_findings;
 use crate::verdict::findings::{delay_finding, findings, indications};
 use crate::verdict::held_out::{beyond_noise, differences, errors as errors_on_held_out, uncertainty};
 use crate::verdict::not_examined::not_examined;
-use crate::verdict::transmission::{shaking_findings, shaking_indications};
+use crate::verdict::transmission::{is_gear_hinted, shaking_findings, shaking_indications};
 use crate::verdict::{
     Answer, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
@@ -94,7 +94,8 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
     // What the targets alone keep says nothing of the others.
     let is_structure = |j: usize| !apart.contains(&j) && !errors.is_of_targets(j);
-    let something = residual.iter().any(|r| r.structure_left && is_structure(r.joint));
+    let something = is_gear_hinted(question, investigation)
+        || residual.iter().any(|r| r.structure_left && is_structure(r.joint));
     let answered = |something| answers(investigation, &effects, &registered_models, &errors, something);
     let (mut answer, mut structure) = answered(something);
     let uncertain = uncertainty(investigation, &fitted);
