@@ -250,5 +250,8 @@ fn difference(added: &[String]) -> String {
     if added.is_empty() {
         return String::new();
     }
-    format!("\nadded to the experiment\n{}", added.iter().map(|l| format!("  + {l}\n")).collect::<String>())
+    format!(
+        "\nadded to the experiment (joints count from 0)\n{}",
+        added.iter().map(|l| format!("  + {l}\n")).collect::<String>()
+    )
 }

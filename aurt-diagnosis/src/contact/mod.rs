@@ -41,6 +41,8 @@ pub struct Contact {
     pub distinction: f64,
     /// Mean force in the base frame while it lasts, N (if the measurement is in Nm).
     pub force_n: [f64; 3],
+    /// Its deviation, N, by what noise and model errors explain elsewhere; none where the arm stands, since stiction hides some of a force.
+    pub force_std_n: Option<[f64; 3]>,
 }
 
 impl Contact {

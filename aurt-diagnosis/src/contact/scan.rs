@@ -92,6 +92,14 @@ impl Prefix {
         solve(&self.between(span))
     }
 
+    /// The deviations of that force by white noise. A direction that hardly any joint feels is known as little as it is felt.
+    pub(super) fn force_deviation(&self, span: [usize; 2]) -> [f64; 3] {
+        let sums = self.between(span);
+        let least = UNFELT * (sums[0] + sums[3] + sums[5]);
+        let inverse = normal(&sums, least).cholesky().map(|factor| factor.inverse());
+        inverse.map_or([f64::INFINITY; 3], |inverse| [0, 1, 2].map(|i| inverse[(i, i)].sqrt()))
+    }
+
     /// By how much the force lowers each joint's whitened sum of squares over a stretch.
     pub(super) fn explained_by_joint(
         &self,
@@ -123,26 +131,24 @@ impl Prefix {
     }
 }
 
+/// Share of the power of a force's torque below which a direction is felt by no joint.
+const UNFELT: f64 = 1e-9;
+
 /// Solves A F = g. A force along a direction that no joint feels is zero: a small ridge keeps it there.
 fn solve(sums: &[f64; 9]) -> [f64; 3] {
     let trace = sums[0] + sums[3] + sums[5];
     if trace <= 0.0 {
         return [0.0; 3];
     }
-    let ridge = 1e-3 * trace / 3.0;
-    let a = Matrix3::new(
-        sums[0] + ridge,
-        sums[1],
-        sums[2],
-        sums[1],
-        sums[3] + ridge,
-        sums[4],
-        sums[2],
-        sums[4],
-        sums[5] + ridge,
-    );
-    let force = a.cholesky().map(|factor| factor.solve(&Vector3::new(sums[6], sums[7], sums[8])));
+    let factor = normal(sums, 1e-3 * trace / 3.0).cholesky();
+    let force = factor.map(|factor| factor.solve(&Vector3::new(sums[6], sums[7], sums[8])));
     force.map_or([0.0; 3], Into::into)
+}
+
+/// A with a ridge.
+fn normal(sums: &[f64; 9], ridge: f64) -> Matrix3<f64> {
+    let [xx, xy, xz, yy, yz, zz, ..] = *sums;
+    Matrix3::new(xx + ridge, xy, xz, xy, yy + ridge, yz, xz, yz, zz + ridge)
 }
 
 /// The statistic of every stretch of a length, in steps of an eighth of it.

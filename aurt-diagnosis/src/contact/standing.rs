@@ -145,6 +145,7 @@ fn contact(
         score,
         distinction: f64::INFINITY,
         force_n,
+        force_std_n: None,
     })
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use aurt_calibration::Rest;
 use aurt_plugins::Origin;
 use aurt_traits::JointStack;
 use serde_json::Value;
@@ -12,7 +11,7 @@ use crate::effects::stribeck;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::investigation::Investigation;
-use crate::recordings::rows::{Instrument, JointRows, Role, STANDING_RAD_S};
+use crate::recordings::rows::{Instrument, JointRows, Role};
 use crate::request::Question;
 use crate::vocabulary::{AROUND, Addition};
 
@@ -56,7 +55,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         .collect();
     let mut improvement = Improvement {
         calibrate_on_target: question.recordings.iter().any(|r| r.role == Role::Target),
-        exclude_rest: investigation.rows.iter().flat_map(|r| &r.joints).any(stands_long),
+        exclude_rest: investigation.rows.iter().flat_map(|r| &r.joints).any(JointRows::stands_long),
         ..Improvement::default()
     };
     // What is in the targets and in no term of the improved model.
@@ -132,13 +131,6 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         improvement.notes.push(consequence.into());
     }
     improvement
-}
-
-/// Whether a joint moves and stands for so many of its rows that these should not be kept.
-fn stands_long(joint: &JointRows) -> bool {
-    let rows = joint.counts.iter().zip(&joint.velocity_rad_s);
-    let stands = rows.filter(|(counts, v)| !**counts && v.abs() < STANDING_RAD_S).count();
-    joint.counts.contains(&true) && stands as f64 > Rest::MOST_KEPT * joint.counts.len() as f64
 }
 
 /// Leaves the level out of Stribeck friction on a joint whose own friction has it: two columns would be the same.

@@ -1,4 +1,4 @@
-use aurt_calibration::{for_each_row_block, for_each_tile};
+use aurt_calibration::{Rest, for_each_row_block, for_each_tile};
 use aurt_recording::{DecimatedTile, Preprocessed, Segment};
 use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -359,7 +359,7 @@ fn instrument_rows(
 }
 
 /// A joint stands if it stays below this speed, rad/s …
-pub(crate) const STANDING_RAD_S: f64 = 0.03;
+const STANDING_RAD_S: f64 = 0.03;
 
 /// … for at least this time, s. Reversals are shorter.
 const STANDING_S: f64 = 0.4;
@@ -378,6 +378,18 @@ impl JointRows {
     #[must_use]
     pub fn counted(&self, start: usize, end: usize) -> f64 {
         self.counts[start..end].iter().filter(|c| **c).count() as f64
+    }
+
+    /// Share of the rows in which the joint stands, and which do not count therefore.
+    pub(crate) fn standing_share(&self) -> f64 {
+        let rows = self.counts.iter().zip(&self.velocity_rad_s);
+        let stands = rows.filter(|(counts, v)| !**counts && v.abs() < STANDING_RAD_S).count();
+        stands as f64 / self.counts.len().max(1) as f64
+    }
+
+    /// Whether it moves and stands for so many of its rows that these should not be kept.
+    pub(crate) fn stands_long(&self) -> bool {
+        self.counts.contains(&true) && self.standing_share() > Rest::MOST_KEPT
     }
 
     /// Column `k` of the joint's row columns.

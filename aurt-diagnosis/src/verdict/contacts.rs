@@ -1,5 +1,7 @@
 //! Findings for contacts with the surroundings.
 
+use serde_json::Value;
+
 use crate::contact::{Contact, ContactOptions};
 use crate::effects::external_contact;
 use crate::investigation::Investigation;
@@ -23,7 +25,13 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
             window_s: Some(contact.window_s),
             parameters: Parameters::from([
                 ("link".to_owned(), ParameterValue::exact(contact.link)),
-                ("force_n".to_owned(), ParameterValue::exact(contact.force_n)),
+                (
+                    "force_n".to_owned(),
+                    ParameterValue::new(
+                        contact.force_n,
+                        contact.force_std_n.map_or(Value::Null, Value::from),
+                    ),
+                ),
                 ("window_s".to_owned(), ParameterValue::exact(contact.window_s)),
             ]),
             sentence: format!(

@@ -2,7 +2,7 @@
 
 use crate::effects::backlash;
 use crate::investigation::Investigation;
-use crate::recordings::rows::Role;
+use crate::recordings::rows::{RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
 use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::NotExamined;
@@ -13,6 +13,7 @@ pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigatio
     let mut found = constant(question, investigation);
     found.extend(beside(question));
     found.extend(standing(question, investigation));
+    found.extend(resting(question, investigation));
     found.extend(short(investigation));
     found.extend(unrelated(question, investigation));
     found.extend(slow(question));
@@ -83,6 +84,32 @@ fn standing(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
         })
     };
     [(Role::Calibration, "calibration"), (Role::Target, "target")].into_iter().filter_map(of_kind).collect()
+}
+
+/// Joints that rest for long in the recordings in question.
+fn resting(question: &Question<'_>, investigation: &Investigation) -> Option<NotExamined> {
+    let asked = |role: Role| investigation.rows.iter().filter(move |r| r.role == role && r.rows() > 0);
+    let (role, name) = if asked(Role::Target).next().is_some() {
+        (Role::Target, "target")
+    } else {
+        (Role::Calibration, "calibration")
+    };
+    let joints: Vec<usize> = (0..investigation.layout.rows.len())
+        .filter(|j| asked(role).any(|r| r.joints[*j].stands_long()))
+        .collect();
+    let of_recording =
+        |r: &RecordingRows| joints.iter().map(|j| r.joints[*j].standing_share()).fold(0.0, f64::max);
+    let most = asked(role).map(of_recording).fold(0.0, f64::max);
+    (!joints.is_empty()).then(|| NotExamined {
+        recording: None,
+        reason: format!(
+            "{} in up to {:.0} % of the {name} recordings, while at rest: there a force shows only beyond what friction holds",
+            question.names().joint_list(&joints),
+            100.0 * most
+        ),
+        joints,
+        effects: Vec::new(),
+    })
 }
 
 fn short(investigation: &Investigation) -> Vec<NotExamined> {

@@ -172,7 +172,9 @@ impl Search<'_> {
             if let Some(found) = columns.map(Vec::len).filter(|n| *n != joints) {
                 return Err(self.wrong(
                     format!("{found} columns for {what} ({}), but {joints} joints", self.names_of(columns)),
-                    "select the columns of all joints explicitly".into(),
+                    "select the columns of all joints explicitly; if the file has none of some, such as fingers, end the chain before \
+                     these (`--tip`, or `tip` of [robot])"
+                        .into(),
                 ));
             }
         }
