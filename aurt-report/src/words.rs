@@ -107,8 +107,11 @@ fn held_out_differs(verdict: &Verdict) -> Option<String> {
     }
     let factor = |joint: usize| {
         let difference = verdict.held_out_differs.iter().find(|d| d.joint == joint);
-        difference
-            .map_or(String::new(), |d| format!(" ({:.1} times the expected error)", d.rms / d.expected_rms))
+        difference.map_or(String::new(), |d| match d.rms / d.expected_rms {
+            // The model is so uncertain there that no error would be unexpected.
+            factor if factor < 1.0 => " (the error exceeds the measurement itself)".into(),
+            factor => format!(" ({factor:.1} times the expected error)"),
+        })
     };
     Some(format!(
         "the held-out data ({}) differ from the fitted ones on {}",
