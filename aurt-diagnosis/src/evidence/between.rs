@@ -1,9 +1,9 @@
 //! By how much calibration recordings differ among themselves in what a change is made of.
 //!
-//! Friction is another every day, and within a recording it drifts: a machine that nobody has touched differs from one recording to the next
-//! by more than what the noise of rows explains. With S of a hypothesis' columns C on one calibration recording alone, freed of the
-//! model X that is fitted to all of them, the statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
-//! freedom as there are columns, times the memory of the residual e, where no recording differs from the others.
+//! Friction is another every day and drifts within a recording, so that a machine that nobody has touched differs from one recording to the
+//! next by more than noise explains. Let C be a hypothesis' columns on one calibration recording alone, X the model that is fitted to all
+//! of them, and e what that leaves. The statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
+//! freedom as there are columns, times the memory of e, where no recording differs from the others.
 
 use crate::evidence::deviations::memory;
 use crate::evidence::gram::dot;
@@ -47,13 +47,8 @@ impl<'a> Between<'a> {
             {
                 for (a, x) in series {
                     right[*a] += w * dot(x, &joint.measurement);
-                    series.iter().filter(|(b, _)| b >= a).for_each(|(b, y)| gram[b * n + a] += w * dot(x, y));
+                    series.iter().for_each(|(b, y)| gram[b * n + a] += w * dot(x, y));
                 }
-            }
-        }
-        for a in 0..n {
-            for b in 0..a {
-                gram[b * n + a] = gram[a * n + b];
             }
         }
         let gram = Cholesky::new(&gram, n);

@@ -35,9 +35,6 @@ pub(crate) struct Judged {
 
 impl Judged {
     /// Evaluates a baseline.
-    ///
-    /// # Errors
-    /// Recordings too short to be cut in blocks; what evaluation reports.
     pub(crate) fn new(question: &Question<'_>, baseline: Baseline) -> Result<Self, DiagnosisError> {
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
         let mut own_rows = evaluate_all(question, &fit)?;

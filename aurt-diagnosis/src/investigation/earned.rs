@@ -4,8 +4,6 @@
 //! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
 //! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
-use std::collections::BTreeMap;
-
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::contact::force_columns;
@@ -13,13 +11,13 @@ use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::between::Inflation;
 use crate::evidence::gram::dot;
-use crate::evidence::residuals::{residuals, shares};
+use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::common::is_in_all;
 use crate::investigation::fitted::Fitted;
 use crate::parameters::Parameters;
-use crate::recordings::rows::{RecordingRows, mean_rate_hz};
+use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
 use crate::search::selection::Chosen;
 
@@ -61,10 +59,9 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         let most = trial.largest_by_chance(question.selection.level);
         let mut fails = trial.all_fails(most);
         let Some(worst) = trial.worst(&fails, most) else {
-            let brings: Vec<_> =
-                (0..fails.len()).map(|i| (trial.stability(i), trial.lowers_error(i, &[0]))).collect();
-            for (chosen, (stability, in_reference)) in investigation.selection.chosen.iter_mut().zip(brings) {
-                (chosen.stability, chosen.in_reference) = (Some(stability), in_reference);
+            let brings: Vec<bool> = (0..fails.len()).map(|i| trial.lowers_error(i, &[0])).collect();
+            for (chosen, in_reference) in investigation.selection.chosen.iter_mut().zip(brings) {
+                chosen.in_reference = in_reference;
             }
             break;
         };
@@ -116,8 +113,6 @@ struct Trial<'a> {
     whole: Fitted,
     /// Level of the test of changes against what recordings differ by.
     level: f64,
-    /// Fits without one of it.
-    without: Vec<(Vec<Switch>, Vec<f64>)>,
     /// Sums of squares over fitted rows, `[kind][joint]`: with all, and without one of it.
     errors: [Vec<f64>; 2],
     errors_without: Vec<[Vec<f64>; 2]>,
@@ -133,15 +128,12 @@ impl<'a> Trial<'a> {
         let Investigation { rows, partition, layout, .. } = investigation;
         let shares = shares(rows, partition, layout, &whole.switches, &fit.coefficients);
         let rate_hz = mean_rate_hz(rows);
-        let without: Vec<_> = (0..groups.len())
-            .map(|i| {
-                let rest: Vec<&Group> =
-                    groups.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect();
-                let switches = of(&rest);
-                let fit = weighted_fit(&investigation.problem, &switches, floor).0;
-                (switches, fit)
-            })
-            .collect();
+        let without = |i: usize| {
+            let rest: Vec<&Group> =
+                groups.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect();
+            weighted_fit(&investigation.problem, &of(&rest), floor).0.squared_errors
+        };
+        let errors_without = (0..groups.len()).map(without).collect();
         let own = whole.own(&investigation.baseline.coefficients, &investigation.base_switches);
         let parameters = groups
             .iter()
@@ -153,8 +145,7 @@ impl<'a> Trial<'a> {
         Self {
             joints: joints.collect(),
             errors: fit.squared_errors.clone(),
-            errors_without: without.iter().map(|(_, fit)| fit.squared_errors.clone()).collect(),
-            without: without.into_iter().map(|(switches, fit)| (switches, fit.coefficients)).collect(),
+            errors_without,
             least: shares.iter().map(|s| question.selection.least_log_error(s * rate_hz)).collect(),
             investigation,
             groups,
@@ -272,41 +263,6 @@ impl<'a> Trial<'a> {
                  {sure:.1} σ are required"
             )
         })
-    }
-
-    /// Share of the blocks of time on which it lowers the squared error of its joints.
-    fn stability(&self, i: usize) -> f64 {
-        let investigation = self.investigation;
-        let (switches, coefficients) = &self.without[i];
-        let mut cache: BTreeMap<usize, [Vec<Vec<f64>>; 2]> = BTreeMap::new();
-        let (mut better, mut judged) = (0.0, 0.0);
-        for block in &investigation.partition.blocks {
-            let mut log_ratio = 0.0;
-            let mut counts = false;
-            for j in &self.joints[i] {
-                let mut sums = [0.0; 2];
-                for (r, start, end) in block {
-                    let rows: &RecordingRows = &investigation.rows[*r];
-                    let left = cache.entry(*r).or_insert_with(|| {
-                        let layout = &investigation.layout;
-                        [
-                            residuals(rows, layout, &self.whole.switches, &self.whole.fit.coefficients),
-                            residuals(rows, layout, switches, coefficients),
-                        ]
-                    });
-                    for (sum, of) in sums.iter_mut().zip(left.iter()) {
-                        *sum += of[*j][*start..*end].iter().map(|v| v * v).sum::<f64>();
-                    }
-                }
-                if sums[0] > 0.0 && sums[1] > 0.0 {
-                    log_ratio += (sums[0] / sums[1]).ln();
-                    counts = true;
-                }
-            }
-            judged += f64::from(u8::from(counts));
-            better += f64::from(u8::from(counts && log_ratio < 0.0));
-        }
-        if judged > 0.0 { better / judged } else { 0.0 }
     }
 }
 

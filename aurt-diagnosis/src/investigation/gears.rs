@@ -97,9 +97,6 @@ pub(super) fn confirmed_joints(gears: &Gears) -> Vec<usize> {
 }
 
 /// The gears that show in what the model and all claims leave.
-///
-/// # Errors
-/// Errors of models and filters.
 pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Result<Gears, DiagnosisError> {
     let fitted = Fitted::new(found, found.switches());
     let own = fitted.own(&found.baseline.coefficients, &found.base_switches);

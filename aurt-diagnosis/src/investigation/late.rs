@@ -29,9 +29,6 @@ impl Investigation {
 
 impl Delay {
     /// The delay of all recordings, or of the targets alone, at which the model and what was found leave least.
-    ///
-    /// # Errors
-    /// What preprocessing reports.
     pub(crate) fn found(
         question: &Question<'_>,
         investigation: &Investigation,
@@ -51,9 +48,6 @@ impl Delay {
     }
 
     /// The recordings with the delay undone.
-    ///
-    /// # Errors
-    /// What preprocessing reports.
     pub(crate) fn undone(&self, question: &Question<'_>) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
         question
             .recordings

@@ -23,9 +23,6 @@ pub(crate) struct JudgedFaults {
 impl JudgedFaults {
     /// Judges the faults of repaired recordings: of each effect, whether the model in question fits them better than recordings
     /// that are examined like them but for its repair.
-    ///
-    /// # Errors
-    /// Errors of models and filters.
     pub(crate) fn new(as_recorded: &Question<'_>, repaired: &Question<'_>) -> Result<Self, DiagnosisError> {
         let spoilt = repaired.recordings.iter().filter_map(|r| r.spoilt.as_ref());
         let mut faults: Vec<Fault> = spoilt.flat_map(|s| s.faults.faults.iter().cloned()).collect();

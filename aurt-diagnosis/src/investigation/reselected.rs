@@ -22,9 +22,6 @@ const SEARCHES: usize = 2;
 
 /// Searches again while something that was selected fails a test, from what passed all of them. A search that finds nothing more
 /// that passes changes no claim.
-///
-/// # Errors
-/// What laws, filters and the tests report.
 pub(super) fn reselect(
     question: &Question<'_>,
     registry: &Registry,

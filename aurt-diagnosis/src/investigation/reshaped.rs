@@ -15,9 +15,6 @@ use crate::vocabulary::Addition;
 
 /// Evaluates a law with the shapes that were estimated on the rows that fit over the rows that confirm, which still have
 /// its columns with the shapes that the search started from. With the rows that fit, these get the columns as well.
-///
-/// # Errors
-/// What the law and the filter report.
 pub(super) fn reshape(
     (mut fit, confirm): (Option<&mut FitRows>, &mut ConfirmRows),
     candidate: &Candidate,
@@ -53,9 +50,6 @@ pub(super) fn reshape(
 }
 
 /// [`reshape`] of the rows that confirm for chosen candidates, and for the laws of any joint beside which delays are judged.
-///
-/// # Errors
-/// What laws and the filter report.
 pub(crate) fn reshape_judged(
     confirm: &mut ConfirmRows,
     candidates: &[Candidate],

@@ -48,9 +48,6 @@ impl Parts<'_> {
     /// Evaluates the columns of all laws that are made of the model's coefficients with those of the final fit, in the rows
     /// that fit and in those that confirm, and fits again, until both agree. Whether columns of the final model have
     /// changed in that: with the new ones other laws may do better.
-    ///
-    /// # Errors
-    /// What evaluation reports.
     pub(super) fn settle(
         &mut self,
         baseline: &Baseline,

@@ -34,9 +34,6 @@ impl PoseColumns {
     }
 
     /// ∂g_i/∂q_j from inertial parameters, by central differences.
-    ///
-    /// # Errors
-    /// If the motion's series do not fit together.
     pub(crate) fn gravity_gradients(
         body: &dyn RigidBodyRegressor,
         inertial: &[(usize, f64)],

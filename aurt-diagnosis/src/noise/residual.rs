@@ -22,9 +22,6 @@ const FEWEST_PIECES: usize = 8;
 
 /// Spectra of the unfiltered residual of each joint, over the calm pieces of all segments where there are enough; `None` where
 /// a segment has no measurement at full rate.
-///
-/// # Errors
-/// What the model reports.
 pub(super) fn spectra(
     segments: &[Segment],
     fit: &Fit<'_>,

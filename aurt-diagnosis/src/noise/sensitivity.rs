@@ -36,9 +36,6 @@ pub(super) struct Sensitivity {
 
 impl Sensitivity {
     /// Evaluates the model around the motion at some hundred places: its own prediction, whatever its terms.
-    ///
-    /// # Errors
-    /// What the model reports.
     pub(super) fn evaluate(segment: &Segment, fit: &Fit<'_>) -> Result<Self, DiagnosisError> {
         let joints = fit.model.joints();
         let stride = segment.motion.samples().div_ceil(SAMPLES).max(1);

@@ -152,9 +152,6 @@ impl RecordingRows {
 
     /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. Of the model's
     /// columns only those of the `wanted` coefficients are made. `None` where the joints never all stand.
-    ///
-    /// # Errors
-    /// If a segment has no measurement, or a model fails.
     pub(crate) fn evaluate_standing(
         name: &str,
         role: Role,

@@ -7,9 +7,6 @@ use crate::error::DiagnosisError;
 
 /// Filtered, decimated rows of the columns of an arm term that does not read the load, over all segments of a
 /// recording: `[joint of the term][column][row]`.
-///
-/// # Errors
-/// What the term and the filter report.
 pub(crate) fn term_rows(
     term: &dyn ArmTerm,
     rigid_body: &dyn RigidBodyRegressor,

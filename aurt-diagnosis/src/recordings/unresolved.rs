@@ -30,9 +30,6 @@ const POINTS: usize = 256;
 
 /// Leaves the samples of each joint whose direction is not resolved out of all rows; the rows, `[joint][row]`, of which little
 /// is left.
-///
-/// # Errors
-/// Errors of the filters.
 pub(crate) fn leave_out_unresolved(
     raw: &Recording,
     data: &mut Preprocessed,
@@ -66,9 +63,6 @@ pub(crate) fn leave_out_unresolved(
 /// The filter blurs a reversal over 1/f_c to both sides, and the velocity's noise hides its direction for 2 v(f_c)/|q̈|, with the least speed
 /// v that is seen and the acceleration of the joint's reversals. The sum of both over all reversals is smallest there. What a
 /// regressor is linear in loses nothing: the parallel filter takes the noise that the position filter leaves.
-///
-/// # Errors
-/// What the filters report.
 pub(crate) fn position_cutoff_hz(
     raw: &Recording,
     data: &Preprocessed,

@@ -113,9 +113,6 @@ impl QuestionedRecording {
     }
 
     /// Preprocesses the recording again with other options.
-    ///
-    /// # Errors
-    /// What preprocessing reports.
     pub(crate) fn preprocessed_anew(&mut self, options: PreprocessOptions) -> Result<(), RecordingError> {
         let data = preprocess(&self.raw, &options)?;
         self.data = Arc::new(NamedRecording { name: self.data.name.clone(), data });

@@ -20,8 +20,6 @@ pub struct Chosen {
     pub p_confirm: Option<f64>,
     /// Log-MSE that each joint loses without it.
     pub joint_loss: Vec<f64>,
-    /// Share of the blocks of time on which it lowers the error of its joints; none before it passed every test.
-    pub stability: Option<f64>,
     /// True if it lowers the error of the calibration recordings, too, by what it must; false before it passed every test.
     pub in_reference: bool,
     /// Other groups that could stand in its place, best first.
@@ -324,7 +322,6 @@ impl Scoring<'_> {
                     p_null: self.p_null(chosen[i], score),
                     p_confirm: None,
                     joint_loss: of_joint,
-                    stability: None,
                     in_reference: false,
                     rivals,
                 }
@@ -370,7 +367,6 @@ mod tests {
             p_null,
             p_confirm,
             joint_loss: Vec::new(),
-            stability: None,
             in_reference: false,
             rivals: Vec::new(),
         };

@@ -190,9 +190,6 @@ pub fn find_gears(
 
 /// Tests confirmed gears anew in what a model leaves that was fitted without their torque, each from the shape that it had. The
 /// probability of chance stays that of the search, which tried all shapes.
-///
-/// # Errors
-/// What the model and the filters report.
 pub(crate) fn gears_anew(
     question: &Question<'_>,
     fit: &Fit<'_>,

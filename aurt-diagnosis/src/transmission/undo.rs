@@ -43,9 +43,6 @@ pub(super) fn take_off(torque: &[Vec<f64>], from: &mut [Vec<f64>]) {
 }
 
 /// The recordings without what the confirmed gears among `gears` ask of the drives.
-///
-/// # Errors
-/// What the model and the filters report.
 pub(crate) fn undone(
     question: &Question<'_>,
     fit: &Fit<'_>,

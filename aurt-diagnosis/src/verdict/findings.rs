@@ -51,8 +51,7 @@ pub(crate) fn findings(
         if investigation.is_withheld(one) {
             continue;
         }
-        let Some(mut finding) = finding(question, investigation, one, fitted) else { continue };
-        finding.stability = one.stability;
+        let Some(finding) = finding(question, investigation, one, fitted) else { continue };
         let whole_arm = effects::find(&finding.effect).is_some_and(|e| e.is_whole_arm);
         let twin = merged.iter_mut().find(|(f, _)| {
             f.effect == finding.effect

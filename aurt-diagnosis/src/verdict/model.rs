@@ -134,9 +134,6 @@ pub struct Finding {
     pub alternatives: Vec<Alternative>,
     /// Why it was accepted.
     pub evidence: Evidence,
-    /// Share of the blocks of time on which it lowers the error of its joints, where it is part of the model.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stability: Option<f64>,
     /// The effect in a sentence.
     pub sentence: String,
 }
@@ -155,7 +152,6 @@ impl Finding {
             parameters: Parameters::new(),
             alternatives: Vec::new(),
             evidence,
-            stability: None,
             sentence: String::new(),
         }
     }

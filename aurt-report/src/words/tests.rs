@@ -18,7 +18,6 @@ pub(crate) fn finding(effect: &str, family: Family, joints: &[usize], present_in
         parameters: std::collections::BTreeMap::new(),
         alternatives: Vec::new(),
         evidence: Evidence { score: 50.0, threshold: 8.0, ..Evidence::default() },
-        stability: None,
         sentence: format!("{effect}{only} (k = 1)"),
     }
 }

@@ -8,9 +8,6 @@ use crate::request::Question;
 
 /// Evaluates every configuration over all recordings, without load: a model that fails would end the whole diagnosis,
 /// for which it is but one candidate of many.
-///
-/// # Errors
-/// What the first that fails says.
 pub(super) fn evaluates(question: &Question<'_>, proposed: &[Proposed]) -> Result<(), String> {
     proposed.par_iter().map(|one| evaluate(question, one)).collect()
 }

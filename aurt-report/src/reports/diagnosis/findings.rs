@@ -77,9 +77,6 @@ impl Diagnosed<'_> {
             listed(&finding.present_in),
             evidence(&finding.evidence)
         )];
-        if let Some(share) = finding.stability {
-            facts.push(format!("lowers the error on {:.0} % of the blocks of time", 100.0 * share));
-        }
         if let Some([from, to]) = finding.window_s {
             let recording = finding.recording.as_deref().unwrap_or("the recording");
             facts.push(format!("from {from:.2} s to {to:.2} s of {recording}"));
