@@ -66,7 +66,7 @@ impl Judge<'_> {
     ///
     /// A recording that differs from the fitted ones in something else says little of the group through the model's errors.
     /// Then it is judged beside the model with the columns `own` fitted to it anew, if the difference of predictions weighs more there,
-    /// in units of what both models leave: which way is taken does not depend on the model that is right.
+    /// in units of what the model with the group leaves.
     pub(crate) fn p_confirm(
         &self,
         confirm: &ConfirmRows,
@@ -86,24 +86,23 @@ impl Judge<'_> {
         let columns: Vec<usize> = own.iter().map(|s| s.column).collect();
         let contrasts = confirm.to_judge().iter().flat_map(|rows| {
             let errors = [&with, &without].map(|(s, beta)| residuals(rows, self.layout, s, beta));
-            let levels = self.levels(&errors);
+            let levels = self.levels(&errors[0]);
             let weights: Vec<f64> = levels.iter().map(|level| level.recip()).collect();
             let mut freed = errors.clone();
             refit::free(&mut freed, rows, self.layout, &columns, &weights);
-            let both = [contrasts(&freed, &self.levels(&freed)), contrasts(&errors, &levels)];
+            let both = [contrasts(&freed, &self.levels(&freed[0])), contrasts(&errors, &levels)];
             let energy = |rows: &Vec<Contrast>| rows.iter().map(|row| row.energy).sum::<f64>();
             both.into_iter().max_by(|a, b| energy(a).total_cmp(&energy(b))).unwrap_or_default()
         });
         Some(by_sign(&pieces(&contrasts.collect::<Vec<_>>(), shortest)))
     }
 
-    /// Mean squared errors of a recording under two models, joint by joint, not below the floor.
-    fn levels(&self, [with, without]: &Errors) -> Vec<f64> {
-        let level = |((a, b), floor): ((&Vec<f64>, &Vec<f64>), &f64)| {
-            let both = (dot(a, a) + dot(b, b)) / (2 * a.len()).max(1) as f64;
-            both.max(*floor).max(f64::MIN_POSITIVE)
+    /// Mean squared errors of a recording, joint by joint, not below the floor.
+    fn levels(&self, errors: &[Vec<f64>]) -> Vec<f64> {
+        let level = |(errors, floor): (&Vec<f64>, &f64)| {
+            (dot(errors, errors) / errors.len().max(1) as f64).max(*floor).max(f64::MIN_POSITIVE)
         };
-        with.iter().zip(without).zip(self.floor).map(level).collect()
+        errors.iter().zip(self.floor).map(level).collect()
     }
 }
 
