@@ -121,9 +121,6 @@ impl<'a> Source<'a> {
 
     /// Which coefficients are values of which of the 10 N standard parameters: each base parameter stands at its first
     /// standard parameter, all others being zero, and the columns of the arm term `payload` at those of its link.
-    ///
-    /// # Errors
-    /// [`ExportError::Description`] for a term that cannot be described.
     pub(crate) fn places(&self) -> Result<Vec<(usize, usize)>, ExportError> {
         let mut places: Vec<(usize, usize)> = self.model.base().columns.iter().copied().enumerate().collect();
         for (k, term) in self.model.arm_terms().iter().enumerate().filter(|(_, t)| t.name() == "payload") {
@@ -179,9 +176,6 @@ pub(crate) fn heading(
 const STANDARD: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
 
 /// Each link frame of a chain or tree in its parent's at coordinate zero.
-///
-/// # Errors
-/// None for a chain that exists: its joints are joined anew, one by one.
 pub(crate) fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
     let mut frames = Vec::new();
     let mut alone = Vec::new();

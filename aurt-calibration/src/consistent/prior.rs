@@ -59,9 +59,6 @@ pub enum PriorError {
 
 impl Prior {
     /// What a model knows of its bodies.
-    ///
-    /// # Errors
-    /// [`PriorError::Unit`] for a model in amperes.
     pub(crate) fn of(model: &RobotModel, unit: MeasurementUnit) -> Result<Option<Self>, PriorError> {
         let Some(known) = model.known_bodies() else { return Ok(None) };
         if unit != MeasurementUnit::NewtonMetre {

@@ -81,9 +81,6 @@ impl<'r> RigidRows<'r> {
     }
 
     /// Whether `model` has the rigid bodies of these rows.
-    ///
-    /// # Errors
-    /// [`CalibrationError::Columns`] if not.
     pub(crate) fn fits(&self, model: &RobotModel) -> Result<(), CalibrationError> {
         let same = model.base().columns == self.base.columns
             && model.rigid_body().gravity_m_s2() == self.rigid_body.gravity_m_s2();

@@ -5,6 +5,8 @@
 //! of them, and e what that leaves. The statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
 //! freedom as there are columns, times the memory of e, where no recording differs from the others.
 
+use nalgebra::DMatrix;
+
 use crate::evidence::deviations::memory;
 use crate::evidence::gram::dot;
 use crate::evidence::linear::Cholesky;
@@ -85,9 +87,11 @@ impl<'a> Between<'a> {
     fn mean_square(&self, group: &Group) -> Option<[f64; 2]> {
         let columns: Vec<usize> = group.switches.iter().map(|s| s.column).collect();
         let (d, n) = (columns.len(), self.columns.len());
-        let (mut sum, mut count) = (0.0, 0.0);
+        // s of each recording, CᵀWC, and what the model takes of C: L⁻¹XᵀWC.
+        let mut parts = Vec::new();
         for (recording, left) in self.recordings.iter().zip(&self.left) {
-            let (mut score, mut own, mut cross) = (vec![0.0; d], vec![0.0; d * d], vec![0.0; d * n]);
+            let (mut score, mut own, mut cross) =
+                (vec![0.0; d], DMatrix::zeros(d, d), DMatrix::<f64>::zeros(n, d));
             let of_group = series(recording, self.layout, &columns);
             let of_model = series(recording, self.layout, &self.columns);
             for (((of_group, of_model), left), w) in
@@ -95,18 +99,31 @@ impl<'a> Between<'a> {
             {
                 for (a, x) in of_group {
                     score[*a] += w * dot(x, left);
-                    of_group.iter().for_each(|(b, y)| own[b * d + a] += w * dot(x, y));
-                    of_model.iter().for_each(|(k, y)| cross[a * n + k] += w * dot(x, y));
+                    of_group.iter().for_each(|(b, y)| own[(*b, *a)] += w * dot(x, y));
+                    of_model.iter().for_each(|(k, y)| cross[(*k, *a)] += w * dot(x, y));
                 }
             }
-            cross.chunks_exact_mut(n.max(1)).for_each(|column| self.gram.forward(column));
-            let taken = |a: usize, b: usize| dot(&cross[a * n..(a + 1) * n], &cross[b * n..(b + 1) * n]);
-            let free: Vec<f64> = (0..d * d).map(|k| own[k] - taken(k / d, k % d)).collect();
-            let information = Cholesky::new(&free, d);
+            cross.column_iter_mut().for_each(|mut column| self.gram.forward(column.as_mut_slice()));
+            parts.push((score, own, cross));
+        }
+        // What all have alike is no difference, be it in the model or not.
+        let taken: DMatrix<f64> = parts.iter().map(|(.., cross)| cross).sum();
+        let alike: Vec<DMatrix<f64>> =
+            parts.iter().map(|(_, own, cross)| own - taken.tr_mul(cross)).collect();
+        let in_all = Cholesky::new(alike.iter().sum::<DMatrix<f64>>().as_slice(), d);
+        let sums: Vec<f64> = (0..d).map(|a| parts.iter().map(|(score, ..)| score[a]).sum()).collect();
+        let common = in_all.solve(&sums);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for ((score, own, cross), alike) in parts.iter().zip(&alike) {
+            let columns = || alike.as_slice().chunks_exact(d.max(1));
+            let score: Vec<f64> = score.iter().zip(columns()).map(|(s, of)| s - dot(of, &common)).collect();
+            let solved: Vec<f64> = columns().flat_map(|column| in_all.solve(column)).collect();
+            let free = own - cross.tr_mul(cross) - alike.tr_mul(&DMatrix::from_vec(d, d, solved));
+            let information = Cholesky::new(free.as_slice(), d);
             sum += dot(&score, &information.solve(&score));
             count += information.used().iter().filter(|used| **used).count() as f64;
         }
-        // The model that all are fitted to takes what one of them would tell.
+        // What all have alike takes what one of them would tell.
         let freedom = count * (1.0 - (self.recordings.len() as f64).recip());
         (count > 0.0).then(|| [sum / count / self.memory, freedom])
     }

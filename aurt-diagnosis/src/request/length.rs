@@ -9,9 +9,6 @@ use crate::request::Question;
 
 /// Whether the recordings of each kind can be cut into enough pieces of time together; `blocks` and `gap_s` are those of
 /// [`Partition::new`].
-///
-/// # Errors
-/// [`DiagnosisError::Brief`].
 pub(crate) fn check(question: &Question<'_>, blocks: usize, gap_s: f64) -> Result<(), DiagnosisError> {
     let has = |role: Role| question.recordings.iter().any(|r| r.role == role);
     let (targets, validated) = (has(Role::Target), has(Role::Validation));

@@ -72,9 +72,6 @@ impl Plan {
     }
 
     /// Whether a resolved experiment still has the key that was planned.
-    ///
-    /// # Errors
-    /// [`SweepError::Read`] if a recording cannot be read.
     pub(crate) fn is_current(
         &self,
         index: usize,

@@ -9,9 +9,6 @@ const POSITIONS: u32 = 256;
 
 /// Checks that the mass matrix is positive definite at positions that fill the joints' angles evenly (and prismatic joints'
 /// ways of ± π m).
-///
-/// # Errors
-/// [`ExportError::MassMatrix`] with the first position at which it is not.
 pub(super) fn check(source: &Source<'_>, chain: &SerialChain) -> Result<(), ExportError> {
     let joints = chain.joints().len();
     let mut bodies = ChainDynamics::new(chain.clone(), &source.bodies(|k| source.coefficients[k])?)?

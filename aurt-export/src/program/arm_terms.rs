@@ -113,9 +113,6 @@ impl Writer<'_> {
 }
 
 /// Adds the torque of the term `coupling`, of a motor that turns with ω = q̇_j + ratio q̇_k, to its two joints.
-///
-/// # Errors
-/// [`ExportError::Model`] if the description lacks a parameter.
 pub(crate) fn couple(
     tape: &mut Tape,
     term: &dyn ArmTerm,

@@ -17,9 +17,6 @@ pub(crate) struct At {
 }
 
 /// Writes the friction of joint `joint` with its coefficients, in the stack's order.
-///
-/// # Errors
-/// [`ExportError::Model`] for a model that cannot be written, by its name.
 pub(crate) fn torque(
     tape: &mut Tape,
     memory: &mut Memory,
