@@ -53,7 +53,7 @@ pub fn hardly_excited(condition_number: f64) -> Option<String> {
     })
 }
 
-/// What rows at rest say against friction that was fitted to them.
+/// The warning of rows at rest that friction was fitted to.
 pub(crate) fn at_rest(rows: &Observed<'_>, names: RobotNames<'_>) -> Option<String> {
     let options = rows.options;
     let share = |joint: usize| {

@@ -66,8 +66,8 @@ impl Rest {
     /// Both, as experiments, options and results write them.
     pub const NAMES: [(&str, Self); 2] = [("keep", Self::Keep), ("exclude", Self::Exclude)];
 
-    /// Share of a joint's rows at rest from which they should not be kept. Dry friction has the sign of the velocity, at rest that of noise:
-    /// its level comes out too low by up to the power of this sign behind the parallel filter, some 0.4, times the share.
+    /// Share of a joint's rows at rest from which they should not be kept. There the sign of the velocity is that of noise, of power 1 at
+    /// most: the level of dry friction that is fitted to it as well comes out too low by this share at most.
     pub const MOST_KEPT: f64 = 0.1;
 }
 

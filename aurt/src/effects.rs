@@ -249,8 +249,8 @@ effects! {
     ExternalContact = "external_contact" {
         /// The link that is touched, as far as the joints can tell.
         link: usize,
-        /// Mean size of the force, N.
-        force_n: Option<Estimate>,
+        /// Mean force along the axes of the base frame, N.
+        force_n: Option<[Estimate; 3]>,
     }
     /// Friction of another level than in the calibration recordings.
     FrictionLevelChanged = "friction_level_changed" {

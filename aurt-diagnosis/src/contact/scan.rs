@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::ForceColumns;
+use crate::evidence::problem::ROUNDING;
 
 /// Normal equations of a link's force, summed from the first row: A (upper triangle), g.
 pub(super) struct Prefix {
@@ -95,7 +96,7 @@ impl Prefix {
     /// The deviations of that force by white noise. A direction that hardly any joint feels is known as little as it is felt.
     pub(super) fn force_deviation(&self, span: [usize; 2]) -> [f64; 3] {
         let sums = self.between(span);
-        let least = UNFELT * (sums[0] + sums[3] + sums[5]);
+        let least = ROUNDING * (sums[0] + sums[3] + sums[5]);
         let inverse = normal(&sums, least).cholesky().map(|factor| factor.inverse());
         inverse.map_or([f64::INFINITY; 3], |inverse| [0, 1, 2].map(|i| inverse[(i, i)].sqrt()))
     }
@@ -130,9 +131,6 @@ impl Prefix {
             .collect()
     }
 }
-
-/// Share of the power of a force's torque below which a direction is felt by no joint.
-const UNFELT: f64 = 1e-9;
 
 /// Solves A F = g. A force along a direction that no joint feels is zero: a small ridge keeps it there.
 fn solve(sums: &[f64; 9]) -> [f64; 3] {

@@ -215,6 +215,8 @@ proptest! {
         prop_assert!(overlap > 0.75, "{:?} against {} {}: {}", contact, start, start + length, overlap);
         let error: f64 = [0, 2].map(|a| (contact.force_n[a] - force[a]).powi(2)).iter().sum::<f64>().sqrt();
         prop_assert!(error < 4.0, "{:?}", contact.force_n);
+        let std = contact.force_std_n.unwrap_or_default();
+        prop_assert!([0, 2].iter().all(|a| std[*a] > 0.0 && std[*a] < 4.0), "{:?}", std);
         prop_assert!(contact.joints.iter().all(|j| *j < 2), "joint 2 feels no force at its own origin");
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Between<'a> {
     weights: &'a [f64],
     memory: f64,
     gram: Cholesky,
-    /// What the model leaves of each, `[recording][joint]`.
+    /// Residuals of the model, `[recording][joint]`.
     left: Vec<Vec<Vec<f64>>>,
 }
 

@@ -1,5 +1,7 @@
 //! How far coefficients may be off: memory and misfit of the residual, and not white noise alone.
 
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
 use crate::evidence::linear::{Cholesky, solve_signed};
 use crate::evidence::problem::Problem;
 use crate::hypotheses::group::Switch;
@@ -47,6 +49,12 @@ impl Resampled {
         let around = |c: &Vec<f64>| fit.iter().zip(c).zip(&means).map(|((f, c), m)| f + c - m).collect();
         self.coefficients.iter().map(|c| (around(c), (count - 1.0) / count)).collect()
     }
+}
+
+/// √(d F): what the length of d coefficients in units of their deviations, which are known with some degrees of freedom, exceeds with a
+/// probability where nothing is.
+pub(crate) fn beyond_chance(d: f64, freedom: f64, probability: f64) -> f64 {
+    FisherSnedecor::new(d, freedom).map_or(f64::INFINITY, |f| (d * f.inverse_cdf(1.0 - probability)).sqrt())
 }
 
 /// By how much variances are larger than those of independent rows if a share of the rows is independent.

@@ -26,7 +26,7 @@ pub struct Improvement {
     pub delay_s: Option<Vec<f64>>,
     /// Whether target recordings join the calibration ones.
     pub calibrate_on_target: bool,
-    /// Whether rows of joints that stand are left out of the calibration, as the diagnosis leaves them out.
+    /// True if the calibration leaves out rows of joints that stand, as the diagnosis does.
     pub exclude_rest: bool,
     /// Libraries that the terms' models are from.
     pub libraries: Vec<PathBuf>,

@@ -1,18 +1,14 @@
 //! Laws that were found in the targets and that calibration recordings have as well: no change.
 
-use aurt_calibration::student;
-
+use crate::evidence::deviations::beyond_chance;
 use crate::evidence::gram::dot;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
 
-/// What two-sided tests at 5 % ask of a normal deviate.
-const TWO_SIDED_5: f64 = 1.959_963_984_540_054;
-
 /// Says that a law of the targets is no change: fitted to all recordings as well, the calibration recordings have it and the targets do not
-/// differ from them, both in Student's t of the blocks of time. Targets whose motion shows more of a law do not change it.
-pub(super) fn is_in_all(investigation: &Investigation, group: &Group) -> Option<String> {
+/// differ from them, both by Student's t of the blocks of time. Targets whose motion shows more of a law do not change it.
+pub(super) fn is_in_all(investigation: &Investigation, group: &Group, level: f64) -> Option<String> {
     let Investigation { problem, floor, mean_independent_share, .. } = investigation;
     if !group.target_only() || !problem.has_reference() {
         return None;
@@ -38,7 +34,7 @@ pub(super) fn is_in_all(investigation: &Investigation, group: &Group) -> Option<
         places.iter().zip(&weights).for_each(|(at, weight)| direction[at[which]] = *weight);
         dot(&direction, values) / fitted.deviation(problem, &direction, 1.0).max(f64::MIN_POSITIVE)
     });
-    let least = student(TWO_SIDED_5, problem.blocks() as f64 - 1.0);
+    let least = beyond_chance(1.0, problem.blocks() as f64 - 1.0, level);
     (all > least && own.abs() < least).then(|| {
         format!(
             "the calibration recordings have it as well ({all:.1} σ), and the targets do not differ from them ({:.1} σ)",

@@ -4,12 +4,11 @@
 //! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
 //! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::between::Inflation;
+use crate::evidence::deviations::beyond_chance;
 use crate::evidence::gram::dot;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
@@ -32,8 +31,7 @@ pub struct Indicated {
     pub lacks_confirmation: bool,
 }
 
-/// Coefficients have to be farther from zero than those of nothing are but with this probability; `p_null` is what the search adds to
-/// chance.
+/// Coefficients of nothing are as far from zero with this probability; `p_null` is what the search adds to chance.
 const BY_CHANCE: f64 = 0.01;
 
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
@@ -111,7 +109,7 @@ struct Trial<'a> {
     /// The log-MSE that it must bring on one of its joints, joint by joint.
     least: Vec<f64>,
     whole: Fitted,
-    /// Level of the test of changes against what recordings differ by.
+    /// Level of the tests of changes.
     level: f64,
     /// Sums of squares over fitted rows, `[kind][joint]`: with all, and without one of it.
     errors: [Vec<f64>; 2],
@@ -197,7 +195,7 @@ impl<'a> Trial<'a> {
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         fails.extend(self.too_near_zero(i));
         if fails.is_empty() {
-            fails.extend(is_in_all(self.investigation, group));
+            fails.extend(is_in_all(self.investigation, group, self.level));
         }
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
         if !self.lowers_error(i, kinds) {
@@ -244,19 +242,15 @@ impl<'a> Trial<'a> {
         }
         let size = dot(&direction, &whole.fit.coefficients).abs();
         let away = |factor: f64| size / whole.deviation(problem, &direction, factor).max(f64::MIN_POSITIVE);
-        let least = |d: f64, freedom: f64, level: f64| {
-            let f = FisherSnedecor::new(d, freedom);
-            f.map_or(f64::INFINITY, |f| (d * f.inverse_cdf(1.0 - level)).sqrt())
-        };
         let blocks = problem.blocks();
-        let [sure, from_zero] = [least(1.0, blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
+        let [sure, from_zero] = [beyond_chance(1.0, blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
         if from_zero < sure {
             return Some(format!(
                 "it is {from_zero:.1} σ from zero; {blocks} blocks of time require {sure:.1} σ"
             ));
         }
         let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
-        let [sure, from_zero] = [least(d, freedom, self.level), away(factor)];
+        let [sure, from_zero] = [beyond_chance(d, freedom, self.level), away(factor)];
         (from_zero < sure).then(|| {
             format!(
                 "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times noise; \

@@ -384,7 +384,7 @@ impl JointRows {
         stands as f64 / self.counts.len().max(1) as f64
     }
 
-    /// Whether it moves and stands for so many of its rows that these should not be kept.
+    /// True for a joint that moves, and that stands for so many rows that these should not be kept.
     pub(crate) fn stands_long(&self) -> bool {
         self.counts.contains(&true) && self.standing_share() > Rest::MOST_KEPT
     }

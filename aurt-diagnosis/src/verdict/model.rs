@@ -56,8 +56,8 @@ pub struct Verdict {
     /// The effects, strongest first. Each has passed every test and belongs to the answer of the recordings in which it is
     /// present.
     pub effects: Vec<Finding>,
-    /// What describes these recordings and fails a test: it is not claimed. In the improved model is of it what the calibration
-    /// recordings alone do not show.
+    /// What describes these recordings and fails a test: it is not claimed. The improved model has it only if its one failed test
+    /// is that the calibration recordings do not show it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub indications: Vec<Indication>,
     /// Registered friction models that predict what no named effect does, strongest first. They have no word of the

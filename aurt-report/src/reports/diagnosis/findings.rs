@@ -35,8 +35,8 @@ impl Diagnosed<'_> {
         }));
         if !self.verdict.indications.is_empty() {
             blocks.push(Block::Text(
-                "Indications. These describe the recordings but fail a test, and are not claimed. In the improved model are those alone \
-                 that fail nothing but that the calibration recordings show them:"
+                "Indications. These describe the recordings but fail a test, and are not claimed. The improved model has only those whose \
+                 one failed test is that the calibration recordings do not show them:"
                     .into(),
             ));
             let lines = all_indicated(self.verdict, self.asked);
