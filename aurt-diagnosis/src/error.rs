@@ -24,17 +24,6 @@ pub enum DiagnosisError {
         /// What does not fit.
         reason: String,
     },
-    /// A recording is too short for cross-validation over blocks of time.
-    #[error(
-        "{recording}: {rows} rows are left after filtering and decimation, too few to divide into {blocks} \
-         blocks of time; record longer, or raise `f_dyn_hz` under [diagnosis]"
-    )]
-    TooShort {
-        recording: String,
-        rows: usize,
-        /// Blocks needed.
-        blocks: usize,
-    },
     /// What is in question is too short for any judgement.
     #[error(
         "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed for \

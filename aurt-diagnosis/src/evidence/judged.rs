@@ -5,7 +5,7 @@ use aurt_traits::{RobotModel, RobotNames};
 use rayon::prelude::*;
 
 use crate::error::DiagnosisError;
-use crate::evidence::baseline::{BLOCKS, Baseline, evaluate_all};
+use crate::evidence::baseline::{Baseline, evaluate_all};
 use crate::evidence::given::GivenCovariance;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::Switch;
@@ -14,9 +14,6 @@ use crate::noise::instrument::hold_to_reference;
 use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::Question;
-
-/// Fewest rows that a block of time must have to judge anything.
-const FEWEST_ROWS_PER_BLOCK: usize = 8;
 
 /// A model in question, its rows, and the noise that it leaves.
 pub(crate) struct Judged {
@@ -38,14 +35,6 @@ impl Judged {
     pub(crate) fn new(question: &Question<'_>, baseline: Baseline) -> Result<Self, DiagnosisError> {
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
         let mut own_rows = evaluate_all(question, &fit)?;
-        let asked = own_rows.iter().filter(|r| r.role != Role::Validation);
-        if let Some(short) = asked.into_iter().find(|r| r.rows() < FEWEST_ROWS_PER_BLOCK * BLOCKS) {
-            return Err(DiagnosisError::TooShort {
-                recording: short.name.clone(),
-                rows: short.rows(),
-                blocks: BLOCKS,
-            });
-        }
         prepare(question, &baseline, question.model, &mut own_rows);
         let mut noise = question
             .recordings
