@@ -9,7 +9,7 @@ use crate::request::Question;
 use crate::verdict::Finding;
 use crate::vocabulary::Wording;
 
-/// An effect in a sentence: what it is, on which joints, in which recordings, and its first parameters.
+/// An effect in a sentence: what it is, on which joints, in which recordings, and its parameters in the order of the vocabulary.
 pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
     let (unit, names) = (question.unit, question.names());
     let changed = finding.present_in == ["target"];
@@ -23,9 +23,11 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
     }
     let title = effect.map_or(finding.effect.as_str(), |e| e.title);
     let on = if effect.is_some_and(|e| e.is_whole_arm) { "seen on" } else { "on" };
-    let key: Vec<String> = finding
-        .parameters
-        .iter()
+    let place = |name: &String| effect.and_then(|e| e.parameters.iter().position(|p| p.name == *name));
+    let mut parameters: Vec<_> = finding.parameters.iter().collect();
+    parameters.sort_by_key(|(name, _)| place(name).unwrap_or(usize::MAX));
+    let key: Vec<String> = parameters
+        .into_iter()
         .filter_map(|(name, p)| {
             let parameter = effect.and_then(|e| e.parameter(name));
             let name = parameter.map_or_else(|| name.clone(), |p| p.name_in(unit));
@@ -37,7 +39,6 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
             };
             Some(format!("{name} = {}", values?.join(", ")))
         })
-        .take(4)
         .collect();
     let key = if key.is_empty() { String::new() } else { format!(" ({})", key.join(", ")) };
     format!("{title} {on} {joints}{when}{key}")
