@@ -125,6 +125,14 @@ impl Mistake {
         }
     }
 
+    /// The joints whose columns it is in; none where it is in no column of some joints alone.
+    pub(super) fn own_joints(&self) -> Vec<usize> {
+        match self {
+            Self::Reading { what, .. } => what.own_joints(),
+            Self::Gravity { .. } | Self::Geometry { .. } => Vec::new(),
+        }
+    }
+
     pub fn is_delay(&self) -> bool {
         matches!(self, Self::Reading { what: Reading::Delay(_), .. })
     }
@@ -147,6 +155,19 @@ impl Mistake {
 }
 
 impl Reading {
+    fn own_joints(&self) -> Vec<usize> {
+        match self {
+            Self::PositionSign(joint)
+            | Self::MeasurementSign(joint)
+            | Self::AxisSign(joint)
+            | Self::Gain { joint, .. } => vec![*joint],
+            Self::Constants { joints, .. } => joints.to_vec(),
+            Self::Order { order, .. } => (0..order.len()).filter(|j| order[*j] != *j).collect(),
+            Self::During { what, .. } => what.own_joints(),
+            _ => Vec::new(),
+        }
+    }
+
     fn is_about_what(&self, other: &Self) -> bool {
         let scale = |r: &Self| matches!(r, Self::Degrees | Self::Turns | Self::Geared(_));
         match (self, other) {

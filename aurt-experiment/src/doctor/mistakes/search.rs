@@ -205,7 +205,9 @@ impl Search<'_> {
             let best = Attempt { alike, ..first.clone() };
             let mistake = best.last()?;
             let errors = [error, best.score.total];
-            match self.tested([now, &best.setup], mistake, across, errors) {
+            let is_elsewhere = before.is_some_and(|b| !best.score.is_better_on(&mistake.own_joints(), b));
+            let tested = self.tested([now, &best.setup], mistake, across, errors);
+            match if is_elsewhere { Tested::Open } else { tested } {
                 Tested::Told if !best.has_no_size() => return Some(best),
                 Tested::Open => return None,
                 Tested::Told | Tested::Refuted => {

@@ -80,6 +80,15 @@ impl Score {
         (0..self.joints.len()).filter_map(|j| Some(self.ratio(j)?.ln())).sum()
     }
 
+    /// Whether the mean of ln(r_j before / r_j) over some joints is at least that over all; true without joints. What a model lacks on
+    /// one joint is not to be cured by taking that joint out of the fit, which lowers the errors of the others.
+    pub(super) fn is_better_on(&self, joints: &[usize], before: &Self) -> bool {
+        let gain = |j: usize| Some((before.ratio(j)? / self.ratio(j)?).ln());
+        let mean = |gains: Vec<f64>| gains.iter().sum::<f64>() / gains.len().max(1) as f64;
+        let own = joints.iter().filter_map(|j| gain(*j)).collect();
+        joints.is_empty() || mean(own) >= mean((0..self.joints.len()).filter_map(gain).collect())
+    }
+
     /// r_j, which is 1 for a joint that is not explained.
     fn ratio(&self, joint: usize) -> Option<f64> {
         self.joints[joint].map(|e| if self.fed[joint] { WORST } else { e.clamp(f64::EPSILON, WORST) })
