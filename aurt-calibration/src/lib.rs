@@ -36,7 +36,7 @@ mod variable_projection;
 pub use calibrate::{calibrate, calibrate_scoped};
 pub use calibrated::Calibration;
 pub use consistent::{
-    ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
+    ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, StandardEstimate, make_consistent,
     possible_body,
 };
 pub use dense::{add_gram, products_of_columns};

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 use super::{
     inside::inside,
     prior::{ball, rotor_columns, standard},
-    program::{BodyMap, Positive, Program, Pull},
+    program::{BodyMap, Positive, Program},
 };
 use crate::{
     CalibrationError, CalibrationOptions, JointRange, System,
@@ -68,7 +68,6 @@ pub(super) struct Ground<'a> {
     pub triangle: &'a Triangle,
     /// The links' pseudo-inertias in the prior.
     pub prior: &'a [Matrix4<f64>],
-    pub pull: Pull,
     /// That of the links; nothing is known of loads.
     pub pull_weight: f64,
     /// Links whose rotor is neither in the prior nor a term of the model.
@@ -77,7 +76,7 @@ pub(super) struct Ground<'a> {
 
 impl Assembly {
     pub(super) fn new(ground: Ground<'_>) -> Result<Self, CalibrationError> {
-        let Ground { fit, triangle, prior, pull, pull_weight, rotors } = ground;
+        let Ground { fit, triangle, prior, pull_weight, rotors } = ground;
         let Fit { model, scale, .. } = *fit;
         let n = model.parameters().len();
         let base = model.base();
@@ -173,7 +172,7 @@ impl Assembly {
         let seen = &triangle.upper * kept + &triangle.beyond * others - &triangle.right;
         start.rows_mut(free, m).copy_from(&seen);
         Ok(Self {
-            program: Program { free, seen: m, scale, bodies, positive, pull },
+            program: Program { free, seen: m, scale, bodies, positive },
             start,
             coefficients: (of, at),
             standard: (standard_of_variables, standard_at),

@@ -1,8 +1,11 @@
 //! One body alone, from its estimate and the covariance of that.
 
-use nalgebra::{DMatrix, DVector, Matrix4, SMatrix};
+use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::program::{BodyMap, Program, Pull};
+use super::{
+    prior::ball,
+    program::{BodyMap, Program},
+};
 use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Extra loss up to which the body may differ from the nearest possible one, in squared standard deviations.
@@ -41,11 +44,7 @@ pub fn possible_body(estimate: &[f64; 10], covariance: &[f64]) -> Option<Possibl
     let centre = wanted.fixed_rows::<3>(6) / wanted[9];
     // A ball about the estimated centre of mass, as large as a tenth of its distance or five centimetres.
     let radius = (0.1 * centre.norm()).max(0.05);
-    let prior = Matrix4::from_fn(|r, c| match (r, c) {
-        (3, 3) => wanted[9],
-        (3, k) | (k, 3) => wanted[9] * centre[k],
-        (r, c) => wanted[9] * (centre[r] * centre[c] + if r == c { radius * radius / 5.0 } else { 0.0 }),
-    });
+    let prior = ball(centre.into(), radius, wanted[9]);
     let begin = standard_of(&prior);
     let start = root.clone_owned().lu().solve(&(begin - wanted))?;
     let program = Program {
@@ -59,7 +58,6 @@ pub fn possible_body(estimate: &[f64; 10], covariance: &[f64]) -> Option<Possibl
             pull_weight: 0.0,
         }],
         positive: Vec::new(),
-        pull: Pull::Entropic,
     };
     let reached = program.solve(DVector::from_column_slice(start.as_slice()), 0.5 * TOLERANCE)?;
     let standard = program.standard(&reached.at)[0] * sign;

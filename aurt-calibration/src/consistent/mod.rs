@@ -28,7 +28,6 @@ use nalgebra::{DMatrix, DVector};
 pub use assembly::Fit;
 pub use body::{PossibleBody, possible_body};
 pub use prior::{Prior, PriorError};
-pub use program::Pull;
 pub use report::{ConsistentReport, Moved, StandardEstimate};
 
 use self::{
@@ -57,7 +56,6 @@ pub fn make_consistent(
         fit,
         triangle: &triangle,
         prior: &bodies,
-        pull: prior.map_or_else(Pull::default, |p| p.pull),
         pull_weight: prior.map_or(0.0, |p| p.weight),
         rotors: &prior.map_or_else(Vec::new, |_| rotors_of_links(fit.model)),
     })?;

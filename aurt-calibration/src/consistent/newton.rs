@@ -1,8 +1,8 @@
 //! Newton's method on the convex program, with the barrier at one weight.
 
-use nalgebra::{DMatrix, DVector, Matrix4, SMatrix};
+use nalgebra::{DMatrix, DVector, Matrix4};
 
-use super::program::{Program, Pull, ROUNDING};
+use super::program::{Program, ROUNDING};
 use crate::{
     linear::{Cholesky, gram},
     physical::{Standard, adjoint, metric, pseudo_inertia},
@@ -20,32 +20,20 @@ pub(super) struct Local {
 impl Program {
     pub(super) fn local(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64) -> Option<Local> {
         let n = self.variables();
-        let per_body = if self.pull == Pull::Euclidean { 20 } else { 10 };
+        let first = 10 * self.bodies.len();
         let mut gradient = DVector::zeros(n);
-        let mut root = DMatrix::zeros(per_body * self.bodies.len() + self.positive.len(), n);
-        let mut row = 0;
-        let mut add = |root: &mut DMatrix<f64>, g: &SMatrix<f64, 10, 10>, of: &DMatrix<f64>| {
-            let mut rows = root.rows_mut(row, 10);
-            rows.gemm(1.0, g, of, 0.0);
-            row += 10;
-        };
-        for ((body, standard), prior) in self.bodies.iter().zip(self.standard(y)).zip(inverse) {
+        let mut root = DMatrix::zeros(first + self.positive.len(), n);
+        for (k, ((body, standard), prior)) in
+            self.bodies.iter().zip(self.standard(y)).zip(inverse).enumerate()
+        {
             let more = body.emphasis(weight);
             let p = pseudo_inertia(&standard.data.0[0]);
             // B = L⁻¹ of P = L Lᵀ, so that BᵀB = P⁻¹ also where P is nearly singular.
             let b = p.cholesky()?.l().solve_lower_triangular(&Matrix4::identity())?;
             let own = b.transpose() * b;
-            let force = match self.pull {
-                Pull::Entropic => prior - own,
-                Pull::Euclidean => prior * p * prior - own,
-            };
-            gradient.gemv_tr(more, &body.of, &adjoint(&force), 1.0);
-            add(&mut root, &(metric(&b) * more.sqrt()), &body.of);
-            if self.pull == Pull::Euclidean {
-                add(&mut root, &(metric(&prior.cholesky()?.l().transpose()) * more.sqrt()), &body.of);
-            }
+            gradient.gemv_tr(more, &body.of, &adjoint(&(prior - own)), 1.0);
+            root.rows_mut(10 * k, 10).gemm(1.0, &(metric(&b) * more.sqrt()), &body.of, 0.0);
         }
-        let first = per_body * self.bodies.len();
         for (k, p) in self.positive.iter().enumerate() {
             let amount = p.at + p.of.dot(y);
             if amount <= 0.0 {
@@ -113,7 +101,7 @@ impl Program {
             if decrement <= (enough * weight).max(ROUNDING.powi(2) * self.loss(y)) {
                 return Some(decrement);
             }
-            let length = self.length(y, &direction, inverse, weight, -decrement)?;
+            let length = self.length(y, &direction, weight, -decrement)?;
             y.axpy(length, &direction, 1.0);
             *steps += 1;
             *local = self.local(y, inverse, weight)?;
@@ -124,23 +112,8 @@ impl Program {
     /// How far to go along a direction in which the objective begins with the slope given: to where it is least. With the
     /// eigenvalues λ of L⁻¹ dP L⁻ᵀ, P = L Lᵀ, −log det(P + t dP) is −Σ log(1 + t λ), and the rest a parabola; so the slope is
     /// known everywhere, and its zero is bracketed.
-    fn length(
-        &self,
-        y: &DVector<f64>,
-        direction: &DVector<f64>,
-        inverse: &[Matrix4<f64>],
-        weight: f64,
-        slope: f64,
-    ) -> Option<f64> {
-        let seen = direction.rows(self.free, self.seen);
-        let mut curvature = seen.norm_squared() / self.scale;
-        if self.pull == Pull::Euclidean {
-            for (body, prior) in self.bodies.iter().zip(inverse) {
-                let step = Standard::from_iterator((&body.of * direction).iter().copied());
-                let away = prior * pseudo_inertia(&step.data.0[0]);
-                curvature += weight * body.emphasis(weight) * away.transpose().dot(&away);
-            }
-        }
+    fn length(&self, y: &DVector<f64>, direction: &DVector<f64>, weight: f64, slope: f64) -> Option<f64> {
+        let curvature = direction.rows(self.free, self.seen).norm_squared() / self.scale;
         // Four eigenvalues of each body come first.
         let weight_of = |k: usize| weight * self.bodies.get(k / 4).map_or(1.0, |body| body.emphasis(weight));
         let logarithms: Vec<(f64, f64)> =

@@ -4,7 +4,6 @@ use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use nalgebra::Matrix4;
 use thiserror::Error;
 
-use super::program::Pull;
 use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Standard parameters that are known before, from CAD or a URDF.
@@ -13,9 +12,7 @@ pub struct Prior {
     /// All standard parameters, in the order of
     /// [`RigidBodyRegressor::standard_parameters`](aurt_traits::RigidBodyRegressor::standard_parameters).
     pub standard: Vec<f64>,
-    /// How estimates are pulled towards them.
-    pub pull: Pull,
-    /// How strongly, in squared standard deviations for each unit of the pull: 1/σ², where σ is the relative standard deviation
+    /// How strongly estimates are pulled towards them, in squared standard deviations for each unit of the pull: 1/σ², where σ is the relative standard deviation
     /// of masses and of second moments about the centre of mass. With zero the prior only decides what the data leave open.
     pub weight: f64,
 }
@@ -64,7 +61,7 @@ impl Prior {
         if unit != MeasurementUnit::NewtonMetre {
             return Err(PriorError::Unit);
         }
-        Ok(Some(Self { standard: known.standard.clone(), pull: Pull::default(), weight: known.weight }))
+        Ok(Some(Self { standard: known.standard.clone(), weight: known.weight }))
     }
 
     /// The links' pseudo-inertias.

@@ -14,19 +14,6 @@ const MOST_STEPS: usize = 600;
 /// Share of the loss itself below which a distance from the optimum is rounding.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// How what the data leave open is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pull {
-    /// By the entropic (Bregman) divergence tr(P₀⁻¹P) − log det(P₀⁻¹P) − 4 of pseudo-inertias, which is the same in
-    /// all coordinates (Lee, Wensing, Park, *Geometric robot dynamic identification: a convex programming approach*,
-    /// IEEE T-RO 36(2), 2020).
-    #[default]
-    Entropic,
-    /// By the squared distance ½ ‖P₀^(−1/2) (P − P₀) P₀^(−1/2)‖²_F, Euclidean in coordinates in which the prior is
-    /// the identity, beside the entropic divergence, which keeps bodies possible.
-    Euclidean,
-}
-
 /// A body whose ten standard parameters are affine in the variables.
 #[derive(Debug, Clone)]
 pub(crate) struct BodyMap {
@@ -59,6 +46,10 @@ pub(crate) struct Positive {
 
 /// min ½ ‖ξ‖²/s + μ (Σ pull(P_l) − Σ log p_k) over y = (v, ξ), for a fixed s and a μ that falls.
 ///
+/// The pull is the entropic (Bregman) divergence tr(P₀⁻¹P) − log det(P₀⁻¹P) − 4 of pseudo-inertias, which is the same in all
+/// coordinates (Lee, Wensing, Park, *Geometric robot dynamic identification: a convex programming approach*, IEEE T-RO 36(2),
+/// 2020).
+///
 /// ξ are the data's variables: ξ = 0 explains them best, and a distance of one costs one standard deviation if the
 /// rows are independent. v are those of which the data know nothing.
 #[derive(Debug, Clone)]
@@ -71,7 +62,6 @@ pub(crate) struct Program {
     pub scale: f64,
     pub bodies: Vec<BodyMap>,
     pub positive: Vec<Positive>,
-    pub pull: Pull,
 }
 
 #[derive(Debug, Clone)]
@@ -155,15 +145,10 @@ impl Program {
         (4 * self.bodies.len() + self.positive.len()).max(1) as f64
     }
 
-    /// ν + Σ tr P₀⁻¹P; where the pull is Euclidean, ‖P₀⁻¹P − 1‖² adds to the trace.
+    /// ν + Σ tr P₀⁻¹P.
     fn reach(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>]) -> f64 {
-        let of_body = |(standard, prior): (&Standard, &Matrix4<f64>)| {
-            let p = pseudo_inertia(&standard.data.0[0]);
-            match self.pull {
-                Pull::Entropic => prior.dot(&p),
-                Pull::Euclidean => (prior * p - Matrix4::identity()).norm_squared() + prior.dot(&p),
-            }
-        };
+        let of_body =
+            |(standard, prior): (&Standard, &Matrix4<f64>)| prior.dot(&pseudo_inertia(&standard.data.0[0]));
         self.corners() + self.standard(y).iter().zip(inverse).map(of_body).sum::<f64>()
     }
 
@@ -210,7 +195,6 @@ mod tests {
                 })
                 .collect(),
             positive: (n - 2..n).map(|k| Positive { of: spread.row(k).transpose(), at: centre[k] }).collect(),
-            pull: Pull::Entropic,
         };
         (program, start)
     }
@@ -272,19 +256,14 @@ mod tests {
     }
 
     #[test]
-    fn a_euclidean_pull_reaches_the_same_loss_and_a_strong_one_the_prior() {
+    fn a_strong_pull_reaches_the_prior() {
         for seed in 1..=10 {
-            let (entropic, start) = any(seed, 2);
-            let euclidean = Program { pull: Pull::Euclidean, ..entropic.clone() };
-            let [a, b] = [&entropic, &euclidean].map(|p| p.solve(start.clone(), 1e-5).unwrap());
-            assert!((a.loss - b.loss).abs() < 3e-5 * (1.0 + a.loss), "{seed}: {} {}", a.loss, b.loss);
-            for mut strong in [entropic, euclidean] {
-                strong.bodies.iter_mut().for_each(|body| body.pull_weight = 1e8);
-                let reached = strong.solve(start.clone(), 1e-5).unwrap();
-                for (body, standard) in strong.bodies.iter().zip(strong.standard(&reached.at)) {
-                    let away = (pseudo_inertia(&standard.data.0[0]) - body.prior).norm() / body.prior.norm();
-                    assert!(away < 2e-3, "{seed} {:?}: {away}", strong.pull);
-                }
+            let (mut strong, start) = any(seed, 2);
+            strong.bodies.iter_mut().for_each(|body| body.pull_weight = 1e8);
+            let reached = strong.solve(start, 1e-5).unwrap();
+            for (body, standard) in strong.bodies.iter().zip(strong.standard(&reached.at)) {
+                let away = (pseudo_inertia(&standard.data.0[0]) - body.prior).norm() / body.prior.norm();
+                assert!(away < 2e-3, "{seed}: {away}");
             }
         }
     }
