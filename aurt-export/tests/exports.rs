@@ -277,7 +277,7 @@ fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
         ] {
             let (file, text) = &export.files[0];
             assert_eq!(file, wanted);
-            let read = aurt_rbd::robots::parse_part(text, file, None, &Part::All).unwrap();
+            let read = aurt_rbd::robots::parse(text, file, None, &Part::All, None).unwrap();
             let worst = case.difference(&read);
             println!("{name}, {file}: largest difference {worst:e} of the largest torque");
             assert!(worst <= 1e-12, "{name}, {file}: {worst:e}");

@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use aurt_rbd::robots::{Part, parse_part, tips};
+use aurt_rbd::robots::{Part, parse, tips};
 use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 use serde_json::{Value, json};
@@ -85,7 +85,7 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
     for part in parts {
         let tip = if let Part::Tips(tips) = &part { tips.first() } else { None };
         let number = first + chains.len();
-        let robot = match parse_part(&text, file, None, &part) {
+        let robot = match parse(&text, file, None, &part, None) {
             Ok(robot) => robot,
             Err(errors) => {
                 chains.push(json!({ "tip": tip, "refused": errors.to_string() }));

@@ -54,7 +54,7 @@ impl Robot {
             _ => return Err(refused("`tip`, `tips` and `joints` are three ways to choose a part; give one")),
         };
         let read = || {
-            let described = aurt_rbd::robots::read_part(&path, base.as_deref(), &part)?;
+            let described = aurt_rbd::robots::read(&path, base.as_deref(), &part, None)?;
             aurt::Robot::of_description(described, gravity)
         };
         Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))

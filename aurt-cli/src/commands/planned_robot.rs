@@ -83,7 +83,7 @@ impl PlannedRobotOptions {
         let file = Path::new(asked);
         if file.is_file() {
             return self.of_description(
-                &aurt_rbd::robots::read_part(file, self.base.as_deref(), &self.tip.as_deref().into())?,
+                &aurt_rbd::robots::read(file, self.base.as_deref(), &self.tip.as_deref().into(), None)?,
                 asked,
             );
         }

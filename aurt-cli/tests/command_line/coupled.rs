@@ -25,7 +25,7 @@ struct Change {
 }
 
 fn robot() -> DescribedRobot {
-    aurt_rbd::robots::parse(URDF, "coupled.urdf", None, Some(TIP)).unwrap()
+    aurt_rbd::robots::parse(URDF, "coupled.urdf", None, &Some(TIP).into(), None).unwrap()
 }
 
 /// Plans a motion of the arm and records what its drives give along it.

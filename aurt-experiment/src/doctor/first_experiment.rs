@@ -129,7 +129,7 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
-        let described = aurt_rbd::robots::read_part(file, known.base.as_deref(), &known.part)
+        let described = aurt_rbd::robots::read(file, known.base.as_deref(), &known.part, None)
             .map_err(|errors| {
                 let remedy = "choose the ends of a chain with `--base` and `--tip`, those of several with `--tips`, or correct \
                               the file";

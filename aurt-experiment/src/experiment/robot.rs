@@ -133,7 +133,7 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
                     if *key == "tips" { Part::Tips(names) } else { Part::Joints(names) }
                 }
             };
-            let robot = aurt_rbd::robots::read_part(&path, base, &part)
+            let robot = aurt_rbd::robots::read(&path, base, &part, None)
                 .map_err(|errors| {
                     for error in errors.0 {
                         section

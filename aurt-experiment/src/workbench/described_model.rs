@@ -85,11 +85,11 @@ fn chain(
 ) -> Result<DescribedRobot, Failure> {
     if let (ChainEnds { base: None, tip: None }, Geometry::Urdf { robot, .. }) =
         (ends, &experiment.robot.geometry)
-        && aurt_rbd::robots::read_part(path, Some(&robot.base), &robot.part).is_ok()
+        && aurt_rbd::robots::read(path, Some(&robot.base), &robot.part, None).is_ok()
     {
-        return Ok(aurt_rbd::robots::read_part_with(path, Some(&robot.base), &robot.part, parameters)?);
+        return Ok(aurt_rbd::robots::read(path, Some(&robot.base), &robot.part, parameters)?);
     }
-    Ok(aurt_rbd::robots::read_part_with(path, ends.base, &ends.tip.into(), parameters)?)
+    Ok(aurt_rbd::robots::read(path, ends.base, &ends.tip.into(), parameters)?)
 }
 
 /// The model that a description states, in the geometry of an experiment.

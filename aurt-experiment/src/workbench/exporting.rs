@@ -272,7 +272,7 @@ pub fn correct(
     // Without a tip it is the part that the model's joints name, or else all of the file.
     let names = model.calibrated.model.rigid_body().joint_names();
     let named = Part::Joints(names.to_vec());
-    let is_named = tip.is_none() && aurt_rbd::robots::parse_part(&text, into, base, &named).is_ok();
+    let is_named = tip.is_none() && aurt_rbd::robots::parse(&text, into, base, &named, None).is_ok();
     let part = &if is_named { named } else { Part::from(tip) };
     let original = Original { text: &text, path: into, format, base, part };
     with_source(model, "robot", |source, calibrated| {

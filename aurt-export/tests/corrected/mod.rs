@@ -20,7 +20,7 @@ use super::{
 const OWN: &str = include_str!("own.xml");
 
 fn read(text: &str) -> DescribedRobot {
-    aurt_rbd::robots::parse(text, "own.xml", None, Some("tool")).unwrap()
+    aurt_rbd::robots::parse(text, "own.xml", None, &Some("tool").into(), None).unwrap()
 }
 
 fn light_case(text: &str) -> Case {

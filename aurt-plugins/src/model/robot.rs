@@ -58,7 +58,7 @@ impl Robot {
     }
 
     /// The serial chain between two links of a URDF or MJCF file; without `base` it starts at the file's root, without `tip` it
-    /// is the tree of all joints. [`aurt_rbd::robots::read_part`] takes other parts, for [`Self::of_description`].
+    /// is the tree of all joints. [`aurt_rbd::robots::read`] takes other parts, for [`Self::of_description`].
     ///
     /// # Errors
     /// Everything that is wrong with the file, each with its place.
@@ -68,7 +68,7 @@ impl Robot {
         tip: Option<&str>,
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
-        Self::of_description(aurt_rbd::robots::read_part(path, base, &tip.into())?, gravity_m_s2)
+        Self::of_description(aurt_rbd::robots::read(path, base, &tip.into(), None)?, gravity_m_s2)
     }
 
     /// The same from the text of such a file.
@@ -82,7 +82,7 @@ impl Robot {
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
         Self::of_description(
-            aurt_rbd::robots::parse_part(text, "robot.urdf", base, &tip.into())?,
+            aurt_rbd::robots::parse(text, "robot.urdf", base, &tip.into(), None)?,
             gravity_m_s2,
         )
     }

@@ -57,14 +57,6 @@ pub enum RobotError {
         /// The names of the file, or the first of many.
         known: Box<[String]>,
     },
-    /// Several chains, none of which was asked for.
-    #[error("{}: several chains start at `{base}`; choose one by its tip (`tip`, --tip on the command line): {}", path.display(), tips.join(", "))]
-    Tips {
-        path: PathBuf,
-        base: String,
-        /// The chains' last links, with the number of joints of each chain.
-        tips: Vec<String>,
-    },
     /// More joints than any robot has.
     #[error(
         "{}: {joints} joints move, of at most {most}; choose a part of the robot by `base` and `tip`, `tips` or `joints` \

@@ -1,8 +1,8 @@
 //! Robots as they are described elsewhere: chains and trees of URDF and MJCF files, and robots known by name.
 //!
-//! [`read_part`] takes a [`Part`] of a URDF file or an MJCF file of MuJoCo: revolute, continuous and prismatic joints with axes in
+//! [`read`] takes a [`Part`] of a URDF file or an MJCF file of MuJoCo: revolute, continuous and prismatic joints with axes in
 //! any direction, bodies behind fixed joints merged into the links that carry them, other joints carried as fixed at
-//! zero posture; [`read`] takes the chain between two links. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
+//! zero posture. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
 //!
 //! Files are read with limits ([`MOST_BYTES`], no document type, hence no entities); nothing that they refer to, such as
 //! meshes, is opened.
@@ -34,48 +34,20 @@ pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
 pub const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the serial chain from the link `base` to the link `tip` out of a robot description file.
-///
-/// Without a base the chain starts at the file's root link. Without a tip the chain ends where the only moving chain
-/// does; if there are several, the error lists their tips.
-///
-/// # Errors
-/// Everything that is wrong with the file, each with its place.
-pub fn read(
-    path: impl AsRef<Path>,
-    base: Option<&str>,
-    tip: Option<&str>,
-) -> Result<DescribedRobot, RobotErrors> {
-    let path = path.as_ref();
-    parse(&text_of(path)?, path, base, tip)
-}
-
 /// Reads the joints of a part of a robot description file, on the link `base` or the file's root: a tree, or a chain where
 /// there is no more. Joints come in the file's order, each after those that carry it; of a part that names tips or joints,
-/// branches come in the order of these names.
+/// branches come in the order of these names. A parameter file corrects what the file states.
 ///
 /// # Errors
-/// Everything that is wrong with the file, each with its place.
-pub fn read_part(
-    path: impl AsRef<Path>,
-    base: Option<&str>,
-    part: &Part,
-) -> Result<DescribedRobot, RobotErrors> {
-    read_part_with(path, base, part, None)
-}
-
-/// As [`read_part`], corrected by a parameter file.
-///
-/// # Errors
-/// As [`read_part`]; parameters of joints and bodies that the file has not.
-pub fn read_part_with(
+/// Everything that is wrong with the file, each with its place; parameters of joints and bodies that the file has not.
+pub fn read(
     path: impl AsRef<Path>,
     base: Option<&str>,
     part: &Part,
     parameters: Option<&ParameterFile>,
 ) -> Result<DescribedRobot, RobotErrors> {
     let path = path.as_ref();
-    parse_part_with(&text_of(path)?, path, base, part, parameters)
+    parse(&text_of(path)?, path, base, part, parameters)
 }
 
 fn text_of(path: &Path) -> Result<String, RobotErrors> {
@@ -88,34 +60,6 @@ fn text_of(path: &Path) -> Result<String, RobotErrors> {
 /// # Errors
 /// As [`read`].
 pub fn parse(
-    text: &str,
-    path: impl AsRef<Path>,
-    base: Option<&str>,
-    tip: Option<&str>,
-) -> Result<DescribedRobot, RobotErrors> {
-    let tree = tree(text, path.as_ref())?;
-    let tip = tip.map_or_else(|| selection::only_tip(&tree, base), |tip| Ok(tip.to_owned()))?;
-    serial::robot(&tree, base, Part::Tips(vec![tip]))
-}
-
-/// As [`read_part`], from text; `path` is what errors call it.
-///
-/// # Errors
-/// As [`read_part`].
-pub fn parse_part(
-    text: &str,
-    path: impl AsRef<Path>,
-    base: Option<&str>,
-    part: &Part,
-) -> Result<DescribedRobot, RobotErrors> {
-    parse_part_with(text, path, base, part, None)
-}
-
-/// As [`read_part_with`], from text; `path` is what errors call it.
-///
-/// # Errors
-/// As [`read_part_with`].
-pub fn parse_part_with(
     text: &str,
     path: impl AsRef<Path>,
     base: Option<&str>,

@@ -232,7 +232,7 @@ fn of_log_cholesky(theta: [f64; 10], frame: &Pose) -> Option<Body> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robots::{DescribedRobot, Part, parse_part_with};
+    use crate::robots::{DescribedRobot, Part, parse};
 
     const ARM: &str = r#"<mujoco><worldbody><body name="upper"><inertial pos="0 0 0.2" mass="2" diaginertia="0.03 0.02 0.01"/>
         <joint name="shoulder" damping="1" axis="0 1 0"/><body name="fore" pos="0 0 0.4"><inertial pos="0 0 0.1" mass="1"
@@ -240,7 +240,7 @@ mod tests {
 
     fn corrected(parameters: &str) -> Result<DescribedRobot, String> {
         let file = ParameterFile::parse(parameters, Path::new("p.yaml")).map_err(|e| e.to_string())?;
-        parse_part_with(ARM, "arm.xml", None, &Part::All, Some(&file)).map_err(|e| e.to_string())
+        parse(ARM, "arm.xml", None, &Part::All, Some(&file)).map_err(|e| e.to_string())
     }
 
     #[test]

@@ -71,10 +71,10 @@ pub struct PlacedBody {
     pub standard: [f64; INERTIAL_PARAMETERS],
 }
 
-/// A part of a file of a format, as [`parse_part`](crate::robots::parse_part) gives it, and the places of its links.
+/// A part of a file of a format, as [`parse`](crate::robots::parse) gives it, and the places of its links.
 ///
 /// # Errors
-/// As [`read_part`](crate::robots::read_part); a file of another format.
+/// As [`read`](crate::robots::read); a file of another format.
 pub fn placed_links(
     text: &str,
     path: impl AsRef<Path>,

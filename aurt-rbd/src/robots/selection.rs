@@ -323,31 +323,6 @@ fn closed_paths(tree: &Tree, base: usize) -> Vec<Option<Closed>> {
     closed
 }
 
-pub(crate) fn only_tip(tree: &Tree, base: Option<&str>) -> Result<String, RobotError> {
-    let base = base_of(tree, base)?;
-    let base_name = &tree.links[base].name;
-    match tips(tree, base)[..] {
-        [tip] => Ok(tree.links[tip].name.clone()),
-        [] => Err(nothing_moves(tree, base)),
-        ref several => {
-            let moving = |tip: usize| {
-                let path = tree.path_between(base, tip).unwrap_or_default();
-                let own = |j: &&usize| tree.joints[**j].moves() && tree.joints[**j].mimic.is_none();
-                path.iter().filter(own).count()
-            };
-            let mut tips: Vec<String> = several
-                .iter()
-                .take(MOST_NAMES)
-                .map(|tip| format!("{} ({} joints)", tree.links[*tip].name, moving(*tip)))
-                .collect();
-            if several.len() > MOST_NAMES {
-                tips.push(format!("and {} more", several.len() - MOST_NAMES));
-            }
-            Err(RobotError::Tips { path: tree.path.clone(), base: base_name.clone(), tips })
-        }
-    }
-}
-
 fn listed(names: &[&str]) -> String {
     names.iter().take(MOST_NAMES).copied().collect::<Vec<_>>().join(", ")
 }

@@ -1,8 +1,10 @@
 //! Descriptions as tables of modified Denavit–Hartenberg parameters: the same axes at every posture.
 
-use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, parse};
+use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS};
 use aurt_rbd::{LinkFrame, MdhRows, MdhTable, RobotDescription, SerialChain, base_parameters};
 use nalgebra::Vector3;
+
+use crate::parse;
 
 fn robots() -> Vec<DescribedRobot> {
     let arm = parse(include_str!("reference/arm.xml"), "arm.xml", None, Some("tool")).unwrap();

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use aurt_rbd::robots::{Format, Part, PlacedBody, is_mjcf, parse, placed_links, tips};
+use aurt_rbd::robots::{Format, Part, PlacedBody, is_mjcf, placed_links, tips};
 use aurt_rbd::{ChainDynamics, JointKind, LinkBody, RobotDescription};
 use serde::Deserialize;
+
+use crate::parse;
 
 const ARM: &str = include_str!("reference/arm.xml");
 
@@ -66,8 +68,6 @@ fn classes_limits_rotors_and_friction_are_kept() {
 fn chains_are_chosen_as_in_urdf_files() {
     assert!(is_mjcf(ARM) && !is_mjcf("<robot/>") && !is_mjcf("no XML"));
     assert_eq!(tips(ARM, "arm.xml", None).unwrap(), ["tool", "sensor"]);
-    let several = parse(ARM, "arm.xml", None, None).unwrap_err().to_string();
-    assert!(several.contains("tool (5 joints), sensor (4 joints)"), "{several}");
     let upper = parse(ARM, "arm.xml", Some("elbow"), Some("tool")).unwrap();
     assert_eq!(upper.joint_names, ["wrist"]);
     let unknown = parse(ARM, "arm.xml", None, Some("tol")).unwrap_err().to_string();
@@ -223,7 +223,7 @@ fn files_of_many_bodies_are_read_at_once() {
     let arm = parse(&of(&siblings), "many.xml", None, None).unwrap();
     assert_eq!(arm.standard_parameters.unwrap()[9], 40_000.0);
     let error = parse(&of(&moving), "many.xml", None, None).unwrap_err().to_string();
-    assert!(error.contains("and 39960 more"), "{error}");
+    assert!(error.contains("40001 joints move, of at most 128"), "{error}");
     assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
 

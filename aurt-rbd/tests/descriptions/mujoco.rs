@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use aurt_rbd::robots::{ParameterFile, Part, read_part, read_part_with};
+use aurt_rbd::robots::{ParameterFile, Part, read};
 
 use super::peer;
 
@@ -22,14 +22,17 @@ fn parameters_mean_what_mujoco_sysid_makes_of_them() {
     let run = Command::new(python).args(script).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let parameters = ParameterFile::read(&folder.path().join("parameters.yaml")).unwrap();
-    let read = read_part_with(&file, None, &Part::All, Some(&parameters)).unwrap();
-    let expected = read_part(folder.path().join("identified.xml"), None, &Part::All).unwrap();
-    assert_eq!((&read.joint_names, &read.armature_kg_m2), (&expected.joint_names, &expected.armature_kg_m2));
-    assert_eq!(read.friction, expected.friction);
-    let original = read_part(&file, None, &Part::All).unwrap();
-    let [read, expected, original] =
-        [read, expected, original].map(|robot| robot.standard_parameters.unwrap());
-    assert_eq!(read.len(), 60);
-    let largest = |other: &[f64]| read.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(largest(&original) > 0.1 && largest(&expected) < 1e-12, "{read:?} {expected:?}");
+    let corrected = read(&file, None, &Part::All, Some(&parameters)).unwrap();
+    let expected = read(folder.path().join("identified.xml"), None, &Part::All, None).unwrap();
+    assert_eq!(
+        (&corrected.joint_names, &corrected.armature_kg_m2),
+        (&expected.joint_names, &expected.armature_kg_m2)
+    );
+    assert_eq!(corrected.friction, expected.friction);
+    let original = read(&file, None, &Part::All, None).unwrap();
+    let [corrected, expected, original] =
+        [corrected, expected, original].map(|robot| robot.standard_parameters.unwrap());
+    assert_eq!(corrected.len(), 60);
+    let largest = |other: &[f64]| corrected.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest(&original) > 0.1 && largest(&expected) < 1e-12, "{corrected:?} {expected:?}");
 }

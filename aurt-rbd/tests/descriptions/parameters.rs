@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use aurt_rbd::robots::{ParameterFile, Part, parse_part_with};
+use aurt_rbd::robots::{ParameterFile, Part, parse};
 use proptest::prelude::*;
 
 const ARM: &str = r#"<mujoco><worldbody><body name="a"><inertial pos="0 0 0.2" mass="2" diaginertia="0.03 0.02 0.01"/>
@@ -22,7 +22,7 @@ proptest! {
         )
     ) {
         let Ok(file) = ParameterFile::parse(&lines.join("\n"), Path::new("p.yaml")) else { return Ok(()) };
-        let Ok(robot) = parse_part_with(ARM, "arm.xml", None, &Part::All, Some(&file)) else { return Ok(()) };
+        let Ok(robot) = parse(ARM, "arm.xml", None, &Part::All, Some(&file)) else { return Ok(()) };
         let standard = robot.standard_parameters.unwrap();
         prop_assert!(standard.iter().chain(&robot.armature_kg_m2).all(|value| value.is_finite()), "{lines:?}");
     }

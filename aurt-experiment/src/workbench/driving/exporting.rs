@@ -4,7 +4,7 @@ use std::path::Path;
 
 use aurt_calibration::drives::{DriveRecording, DrivenArm};
 use aurt_export::mjcf::{Beyond, DrivenJoint, Ground, driven};
-use aurt_rbd::robots::{Part, parse_part};
+use aurt_rbd::robots::{Part, parse};
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::RobotJoints;
 
@@ -107,7 +107,7 @@ impl CalibratedDrive {
     fn compared(&self, name: &str, contents: &[u8]) -> Result<String, Failure> {
         let (path, text) = (Path::new(name), String::from_utf8_lossy(contents));
         let (own, names) = (&self.arm, self.arm.chain.joint_names().to_vec());
-        let described = parse_part(&text, path, None, &Part::All)?;
+        let described = parse(&text, path, None, &Part::All, None)?;
         if !names.is_empty() && described.joint_names != names {
             return Err(Failure::unfit(path, "lists the joints in another order", "compare it in MuJoCo"));
         }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use aurt_calibration::drives::Mechanics;
 use aurt_friction::drives::PositionServo;
-use aurt_rbd::robots::{ParameterFile, Part, parse_part_with, position_actuators};
+use aurt_rbd::robots::{ParameterFile, Part, parse, position_actuators};
 use aurt_recording::RobotJoints;
 use serde_json::{Map, Value};
 
@@ -92,7 +92,7 @@ pub(super) fn mjcf(
     joints: &RobotJoints,
 ) -> Result<Fit, Failure> {
     let part = if joints.names.is_empty() { Part::All } else { Part::Joints(joints.names.clone()) };
-    let robot = parse_part_with(text, path, None, &part, parameters)?;
+    let robot = parse(text, path, None, &part, parameters)?;
     let actuators = position_actuators(text, path)?;
     let names = if joints.names.is_empty() { &robot.joint_names } else { &joints.names };
     if names.len() != joints.count {
