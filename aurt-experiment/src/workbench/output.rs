@@ -9,8 +9,8 @@ use std::{
 };
 
 use aurt_files::output::{
-    Claim, Output, WriteError, clear_unfinished, is_named_pipe, is_special, write_file, write_folder,
-    write_outputs,
+    Claim, Output, WriteError, clear_unfinished, folder_of, is_named_pipe, is_special, write_file,
+    write_folder, write_outputs,
 };
 use aurt_report::Page;
 
@@ -244,13 +244,6 @@ fn check_finite(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     let none = |cell: &[u8]| matches!(cell.trim_ascii(), b"NaN" | b"inf" | b"-inf");
     let found = contents.split(|b| *b == b'\n').position(|line| line.split(|b| *b == b',').any(none));
     found.map_or(Ok(()), |line| Err(Failure::NotFinite { path: path.to_owned(), line: line + 1 }))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! | function | what appears |
 //! |---|---|
 //! | [`write_file`] | one file |
-//! | [`write_files`] | several files, in one folder or in several |
+//! | [`write_outputs`] | several files, in one folder or in several |
 //! | [`write_folder`] | the files of a folder, which is made if it does not exist |
 //!
 //! Contents are staged in a private folder beside their targets whose name begins with [`STAGED`], written through to the
@@ -41,11 +41,12 @@ pub use crate::output::{
     claim::{Claim, clear_unfinished, take_cleared},
     json::pretty,
     staging::{StagedFolder, is_named_pipe, is_special},
+    target::folder_of,
 };
 use crate::output::{
     claim::{abandon_claims, make_folders},
     staging::{Published, Staged, sync_folder, write_special},
-    target::{folder_of, meant},
+    target::meant,
 };
 
 /// Beginning of the names of private folders.
@@ -91,7 +92,7 @@ pub struct Output<'a> {
 /// # Errors
 /// [`WriteError`]; then the file is as it was.
 pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
-    write_files(&[(path, contents)])
+    write_outputs(&[Output { path, folder: None, contents }])
 }
 
 /// Writes a file that can be made again as a whole, without waiting for the disk: a power failure may lose it.
@@ -104,22 +105,11 @@ pub fn write_file_unsynced(path: &Path, contents: &[u8]) -> Result<(), WriteErro
     publish(vec![staged])
 }
 
-/// Writes several files, all or none. Folders that do not exist are made.
+/// Writes several files, of which some may be named and others part of folders, all or none. Folders that do not exist are
+/// made.
 ///
 /// # Errors
 /// [`WriteError`]; then every file is as it was.
-pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(), WriteError> {
-    let outputs: Vec<Output<'_>> = files
-        .iter()
-        .map(|(path, contents)| Output { path: path.as_ref(), folder: None, contents: contents.as_ref() })
-        .collect();
-    write_outputs(&outputs)
-}
-
-/// The same for files of which some are named and others part of folders.
-///
-/// # Errors
-/// As [`write_files`].
 pub fn write_outputs(outputs: &[Output<'_>]) -> Result<(), WriteError> {
     let mut made = MadeFolders::default();
     let mut claims = Vec::new();

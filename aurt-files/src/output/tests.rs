@@ -222,7 +222,9 @@ fn a_pipe_without_a_reader_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let error = write_files(&[(folder.path().join("a"), "1"), (pipe, "2")]).unwrap_err().to_string();
+    let file = folder.path().join("a");
+    let output = |path| Output { path, folder: None, contents: b"1" };
+    let error = write_outputs(&[output(&file), output(&pipe)]).unwrap_err().to_string();
     assert!(error.contains("it is a pipe"), "{error}");
     assert!(!folder.path().join("a").exists());
 }
