@@ -1,7 +1,7 @@
 use super::{Path, Trajectory, check_options};
 use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
-use crate::robots::Robot;
+use crate::robots::{Drive, Robot};
 
 /// Motions of constant velocities, with smooth changes between them, each joint with a schedule of its own.
 #[derive(Debug, Clone)]
@@ -107,33 +107,44 @@ pub(super) fn triangles(
     complaints.positive("speed of the triangles in rad/s", speed_rad_s);
     complaints.positive("amplitude of the triangles in rad", amplitude_rad);
     complaints.finish()?;
-    let joints = robot
-        .drives
-        .iter()
-        .map(|drive| {
-            let [low, high] = drive.position_limit_rad;
-            let amplitude = amplitude_rad.min(0.45 * (high - low));
-            let centre = drive.home_rad.clamp(low + amplitude, high - amplitude);
-            let speed = speed_rad_s * random.between(0.7, 1.3);
-            let acceleration = (20.0 * speed).min(0.8 * drive.acceleration_limit_rad_s2);
-            // Room for the braking beyond the turning point.
-            let inner = (amplitude - speed * speed / acceleration).max(0.5 * amplitude);
-            let mut schedule =
-                Schedule::new(centre, random.between(0.4, 1.0), duration_s - 0.4, acceleration);
-            let mut side = random.sign();
-            loop {
-                let (position, _) = schedule.state();
-                let stroke = inner * if random.chance(0.4) { 2.0 } else { random.between(0.05, 0.6) };
-                let target = (position + side * stroke).clamp(centre - inner, centre + inner);
-                if !schedule.stroke(target, speed) {
-                    break;
-                }
-                side = -side;
-            }
-            schedule.stop()
+    Ok(strokes(robot, duration_s, random, |drive, random| {
+        let [low, high] = drive.position_limit_rad;
+        let amplitude = amplitude_rad.min(0.45 * (high - low));
+        let centre = drive.home_rad.clamp(low + amplitude, high - amplitude);
+        let speed = speed_rad_s * random.between(0.7, 1.3);
+        let acceleration = (20.0 * speed).min(0.8 * drive.acceleration_limit_rad_s2);
+        // Room for the braking beyond the turning point.
+        let inner = (amplitude - speed * speed / acceleration).max(0.5 * amplitude);
+        (centre, acceleration, move |position: f64, side: f64, random: &mut Random| {
+            let stroke = inner * if random.chance(0.4) { 2.0 } else { random.between(0.05, 0.6) };
+            [(position + side * stroke).clamp(centre - inner, centre + inner), speed]
         })
-        .collect();
-    Ok(Trajectory::new(VelocityProfile { duration_s, joints }))
+    }))
+}
+
+/// Strokes to either side in turn. Of each joint `joint` gives centre, acceleration and what draws a stroke's target and speed
+/// from position and side.
+fn strokes<S: Fn(f64, f64, &mut Random) -> [f64; 2]>(
+    robot: &Robot,
+    duration_s: f64,
+    random: &mut Random,
+    joint: impl Fn(&Drive, &mut Random) -> (f64, f64, S),
+) -> Trajectory {
+    let laid_out = |drive: &Drive| {
+        let (centre, acceleration, stroke) = joint(drive, random);
+        let mut schedule = Schedule::new(centre, random.between(0.4, 1.0), duration_s - 0.4, acceleration);
+        let mut side = random.sign();
+        loop {
+            let (position, _) = schedule.state();
+            let [target, speed] = stroke(position, side, random);
+            if !schedule.stroke(target, speed) {
+                return schedule.stop();
+            }
+            side = -side;
+        }
+    };
+    let joints = robot.drives.iter().map(laid_out).collect();
+    Trajectory::new(VelocityProfile { duration_s, joints })
 }
 
 /// Strokes back and forth, at velocities from a twentieth of the fastest up, in random order.
@@ -144,38 +155,23 @@ pub(super) fn sweeps(
     random: &mut Random,
 ) -> Result<Trajectory, SimulationError> {
     check_options(duration_s, share)?;
-    let joints = robot
-        .drives
-        .iter()
-        .map(|drive| {
-            let [low, high] = drive.position_limit_rad;
-            let amplitude = (0.4 * (high - low)).min(1.0);
-            let centre = drive.home_rad.clamp(low + amplitude, high - amplitude);
-            let acceleration = 0.5 * drive.acceleration_limit_rad_s2;
-            let fastest = (share * drive.velocity_limit_rad_s).min((0.6 * amplitude * acceleration).sqrt());
-            let mut schedule =
-                Schedule::new(centre, random.between(0.4, 1.0), duration_s - 0.4, acceleration);
-            let mut side = random.sign();
-            loop {
-                let speed = fastest * random.between(0.05_f64.sqrt(), 1.0).powi(2);
-                // The braking after the stroke and the next one's start stay within the amplitude.
-                let inner = (amplitude - speed * speed / acceleration).max(0.3 * amplitude);
-                let stroke = if speed > 0.3 * fastest { inner } else { inner * random.between(0.15, 0.5) };
-                let (position, _) = schedule.state();
-                let target = if speed > 0.3 * fastest {
-                    centre + side * stroke
-                } else {
-                    (position + side * stroke).clamp(centre - inner, centre + inner)
-                };
-                if !schedule.stroke(target, speed) {
-                    break;
-                }
-                side = -side;
+    Ok(strokes(robot, duration_s, random, |drive, _| {
+        let [low, high] = drive.position_limit_rad;
+        let amplitude = (0.4 * (high - low)).min(1.0);
+        let centre = drive.home_rad.clamp(low + amplitude, high - amplitude);
+        let acceleration = 0.5 * drive.acceleration_limit_rad_s2;
+        let fastest = (share * drive.velocity_limit_rad_s).min((0.6 * amplitude * acceleration).sqrt());
+        (centre, acceleration, move |position: f64, side: f64, random: &mut Random| {
+            let speed = fastest * random.between(0.05_f64.sqrt(), 1.0).powi(2);
+            // The braking after the stroke and the next one's start stay within the amplitude.
+            let inner = (amplitude - speed * speed / acceleration).max(0.3 * amplitude);
+            if speed > 0.3 * fastest {
+                return [centre + side * inner, speed];
             }
-            schedule.stop()
+            let stroke = inner * random.between(0.15, 0.5);
+            [(position + side * stroke).clamp(centre - inner, centre + inner), speed]
         })
-        .collect();
-    Ok(Trajectory::new(VelocityProfile { duration_s, joints }))
+    }))
 }
 
 impl Path for VelocityProfile {
