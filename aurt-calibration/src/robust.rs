@@ -1,5 +1,6 @@
 //! Weights by row: impacts, knocks and other rows that are none of the model's.
 
+use aurt_recording::median;
 use aurt_traits::{RobotModel, RobotNames};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -215,8 +216,7 @@ fn residuals(model: &RobotModel, joints: &[Vec<&JointRows>], step: &[f64]) -> Ve
 /// The normalised median of |e| over the rows that are fitted; none where all are met exactly.
 fn spread(residuals: &[f64]) -> Option<f64> {
     let mut sizes: Vec<f64> = residuals.iter().map(|e| e.abs()).filter(|e| *e > 0.0).collect();
-    let middle = sizes.len() / 2;
-    (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN_OF_NORMAL)
+    (!sizes.is_empty()).then(|| median(&mut sizes) / MEDIAN_OF_NORMAL)
 }
 
 /// The rows with their weights, the first residuals on the right.

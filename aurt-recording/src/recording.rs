@@ -299,7 +299,8 @@ impl Recording {
     }
 
     /// Appends later samples of the same robot.
-    pub(crate) fn extend(&mut self, later: Self) {
+    /// Appends the samples of a later recording of the same joints; series that one of both lacks stay as they are.
+    pub fn extend(&mut self, later: Self) {
         let append = |ours: &mut Vec<Vec<f64>>, theirs: Vec<Vec<f64>>| {
             ours.iter_mut().zip(theirs).for_each(|(ours, theirs)| ours.extend(theirs));
         };

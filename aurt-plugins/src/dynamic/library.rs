@@ -20,7 +20,6 @@ use crate::{
 #[derive(Debug)]
 pub struct LibraryModel {
     pub table: Table,
-    pub slot: Slot,
     /// Lives as long as the process.
     pub name: &'static str,
     pub library: LibraryListing,
@@ -202,7 +201,7 @@ unsafe fn read_model(
         origin: Origin::Library(library.clone()),
     };
     let table = Table { functions: table, description_size, address };
-    Ok((listing, Arc::new(LibraryModel { table, slot, name, library: library.clone() })))
+    Ok((listing, Arc::new(LibraryModel { table, name, library: library.clone() })))
 }
 
 /// # Safety

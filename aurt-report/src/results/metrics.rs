@@ -60,20 +60,17 @@ impl Results<'_> {
         {
             entries.remove("joint_names");
         }
-        if let Some(report) = &self.calibration.shape_fit {
-            document["shape_fit"] = json!(report);
-        }
-        if let Some(report) = &self.calibration.consistent {
-            document["consistent"] = json!(report);
-        }
-        if let Some(report) = &self.calibration.essential {
-            document["essential"] = json!(report);
-        }
-        if let Some(report) = &self.calibration.robust {
-            document["robust"] = json!(report);
-        }
-        if let Some(report) = &self.calibration.position_bias {
-            document["position_bias"] = json!(report);
+        let Calibration { shape_fit, consistent, essential, robust, position_bias, .. } = self.calibration;
+        for (key, report) in [
+            ("shape_fit", json!(shape_fit)),
+            ("consistent", json!(consistent)),
+            ("essential", json!(essential)),
+            ("robust", json!(robust)),
+            ("position_bias", json!(position_bias)),
+        ] {
+            if !report.is_null() {
+                document[key] = report;
+            }
         }
         with_names(document, self.model.rigid_body().joint_names())
     }

@@ -28,8 +28,6 @@ pub struct Excitation {
     pub condition_number: f64,
     /// That of the first multi-sine that was drawn.
     pub first_condition_number: f64,
-    /// Tries that improved it.
-    pub improvements: usize,
 }
 
 /// Rate at which the regressor is sampled, Hz, at least; and samples per period of the highest harmonic.
@@ -68,7 +66,7 @@ pub fn excite(
     let regressor = Regressor::new(robot, bodies, options)?;
     let mut random = Random::labelled(seed, "excitation");
     let mut best: Option<(f64, Vec<[f64; 2]>, MultiSine)> = None;
-    let (mut first, mut refusal, mut improvements) = (f64::INFINITY, None, 0);
+    let (mut first, mut refusal) = (f64::INFINITY, None);
     let fresh = ((FRESH * options.tries as f64) as usize).max(1);
     let mut spread = 0.3;
     for attempt in 0..options.tries {
@@ -90,7 +88,6 @@ pub fn excite(
         let improves = best.as_ref().is_none_or(|(least, ..)| condition < *least);
         if improves {
             best = Some((condition, shape, path));
-            improvements += 1;
         }
         if attempt >= fresh {
             spread = (spread * if improves { ADAPTION.0 } else { ADAPTION.1 }).clamp(1e-3, 1.0);
@@ -102,7 +99,7 @@ pub fn excite(
             let trajectory = Trajectory::new(path);
             trajectory.check(robot)?;
             let first_condition_number = if first.is_finite() { first } else { condition_number };
-            Ok(Excitation { trajectory, condition_number, first_condition_number, improvements })
+            Ok(Excitation { trajectory, condition_number, first_condition_number })
         }
         (None, Some(error)) => Err(error),
         (None, None) => {

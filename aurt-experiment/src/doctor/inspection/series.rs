@@ -1,5 +1,7 @@
 //! What a single series of samples says of its sensor: resolution and noise.
 
+use aurt_recording::median;
+
 /// Share of the steps between samples that must fit a resolution.
 const FITTING_SHARE: f64 = 0.99;
 
@@ -35,12 +37,7 @@ pub fn resolution(values: &[f64]) -> Option<f64> {
 pub fn white_noise(values: &[f64]) -> Option<f64> {
     let mut differences: Vec<f64> =
         values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    if differences.is_empty() {
-        return None;
-    }
-    let middle = differences.len() / 2;
-    let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
-    Some(median / 0.674_489_75 / 70.0_f64.sqrt())
+    (!differences.is_empty()).then(|| median(&mut differences) / 0.674_489_75 / 70.0_f64.sqrt())
 }
 
 /// How often a velocity changes its direction, counting only strokes that reach `threshold`.

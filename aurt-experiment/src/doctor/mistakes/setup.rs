@@ -301,7 +301,8 @@ impl Setup {
     pub fn stretches(&self, file: usize) -> Vec<Self> {
         let parts: Vec<&Part> = self.parts.iter().filter(|p| p.file == file).collect();
         let Some((first, others)) = parts.split_first() else { return Vec::new() };
-        let whole = others.iter().fold((*first.recording).clone(), |r, part| joined(r, &part.recording));
+        let mut whole = (*first.recording).clone();
+        others.iter().for_each(|part| whole.extend((*part.recording).clone()));
         let options = &parts[parts.len() - 1].options;
         let bound = |k: usize| k * whole.samples() / STRETCHES;
         let stretches: Vec<Arc<Recording>> =
@@ -387,18 +388,6 @@ impl Thin {
             ..options.clone()
         }
     }
-}
-
-fn joined(mut first: Recording, second: &Recording) -> Recording {
-    let extend = |family: &mut Vec<Vec<f64>>, by: &[Vec<f64>]| {
-        family.iter_mut().zip(by).for_each(|(series, more)| series.extend(more));
-    };
-    first.time_s.extend(&second.time_s);
-    extend(&mut first.position_rad, &second.position_rad);
-    if let (Some(family), Some(by)) = (&mut first.measurement, &second.measurement) {
-        extend(family, by);
-    }
-    first
 }
 
 /// The median distance of stamps, s; 1 without two.
