@@ -16,25 +16,12 @@ const NOTABLE: f64 = 1e-4;
 
 /// A difference between the geometry of two robots, the first of which is "ours".
 #[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum GeometryDifference {
     /// The gravity vectors in the base frames, m/s².
-    Gravity {
-        /// Ours.
-        ours: [f64; 3],
-        /// Theirs.
-        theirs: [f64; 3],
-    },
+    Gravity { ours: [f64; 3], theirs: [f64; 3] },
     /// A quantity of a joint that both descriptions state.
-    Joint {
-        /// The joint, from 0.
-        joint: usize,
-        /// The quantity, with its unit.
-        quantity: &'static str,
-        /// Our value.
-        ours: String,
-        /// Their value.
-        theirs: String,
-    },
+    Joint { joint: usize, quantity: &'static str, ours: String, theirs: String },
     /// The torque of a joint, where the descriptions have no quantities in common.
     Torque {
         /// The joint where the share is largest, from 0.

@@ -13,7 +13,6 @@ pub enum RbdError {
     /// A joint of a chain has a value that no joint can have.
     #[error("joint {joint}: {what} {reason}")]
     Joint {
-        /// The joint, from 0.
         joint: usize,
         /// What is wrong, e.g. `sign`.
         what: &'static str,
@@ -22,11 +21,7 @@ pub enum RbdError {
     },
     /// A name that cannot be a joint's.
     #[error("joint {joint}: its name `{}` is empty or that of a joint before it", name.escape_debug())]
-    JointName {
-        /// The joint, from 0.
-        joint: usize,
-        name: String,
-    },
+    JointName { joint: usize, name: String },
     #[error("the joint `{}` beside the chain is behind a joint that is none of the {joints}", name.escape_debug())]
     Branch { name: String, joints: usize },
     #[error("a chain needs at least one joint")]
@@ -120,20 +115,13 @@ pub enum MdhError {
     UnknownColumn {
         path: PathBuf,
         line: usize,
-        /// The column, from 1.
         column_number: usize,
         text: String,
         meant: Option<&'static str>,
     },
     /// Two columns of one name.
     #[error("{}:{line}: column {column_number} is called `{text}` as an earlier one; remove one of them", path.display())]
-    DuplicateColumn {
-        path: PathBuf,
-        line: usize,
-        /// The later column, from 1.
-        column_number: usize,
-        text: String,
-    },
+    DuplicateColumn { path: PathBuf, line: usize, column_number: usize, text: String },
     /// A row with too many or too few cells.
     #[error(
         "{}:{line}: the row has {found} cells, the header has {expected}; row: `{text}`", path.display()
@@ -144,7 +132,6 @@ pub enum MdhError {
     Cell {
         path: PathBuf,
         line: usize,
-        /// The cell's column, from 1.
         column_number: usize,
         column: &'static str,
         text: String,

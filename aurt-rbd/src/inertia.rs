@@ -62,33 +62,12 @@ impl LinkBody {
 /// Why a link's parameters cannot be those of a body of positive density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Inconsistency {
-    /// A parameter is not finite.
-    NotFinite {
-        /// The link, from 0.
-        link: usize,
-    },
-    /// The mass is not positive.
-    Mass {
-        /// The link, from 0.
-        link: usize,
-        /// The mass in kg.
-        mass_kg: f64,
-    },
-    /// The inertia about the centre of mass is not positive definite.
-    Inertia {
-        /// The link, from 0.
-        link: usize,
-        /// The smallest principal moment in kg m².
-        smallest_kg_m2: f64,
-    },
-    /// One principal moment exceeds the sum of the two others.
-    Triangle {
-        /// The link, from 0.
-        link: usize,
-        /// The excess in kg m².
-        excess_kg_m2: f64,
-    },
+    NotFinite { link: usize },
+    Mass { link: usize, mass_kg: f64 },
+    Inertia { link: usize, smallest_kg_m2: f64 },
+    Triangle { link: usize, excess_kg_m2: f64 },
 }
 
 impl std::fmt::Display for Inconsistency {

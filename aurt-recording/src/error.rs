@@ -90,11 +90,8 @@ pub enum RecordingError {
     )]
     Cell {
         path: PathBuf,
-        /// Line, from 1.
         line: usize,
-        /// Column, from 1.
         column: usize,
-        /// Name of the column, if it has one.
         name: Option<String>,
         /// The cell, shortened.
         text: String,
@@ -125,14 +122,7 @@ pub enum RecordingError {
         "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
          and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)", needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
     )]
-    TooLarge {
-        path: PathBuf,
-        what: String,
-        /// Memory that would be needed, in bytes.
-        needed_bytes: u64,
-        /// Memory that is allowed, in bytes.
-        allowed_bytes: u64,
-    },
+    TooLarge { path: PathBuf, what: String, needed_bytes: u64, allowed_bytes: u64 },
     /// A file that is not what its format says.
     #[error("{path}, {place}: {reason}; {remedy}")]
     Malformed {
@@ -144,24 +134,12 @@ pub enum RecordingError {
     },
     /// A line with another number of cells than the first one.
     #[error("{path}, line {line}: {found} cells where the file has {expected}; {remedy}")]
-    Ragged {
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        expected: usize,
-        found: usize,
-        remedy: String,
-    },
+    Ragged { path: PathBuf, line: usize, expected: usize, found: usize, remedy: String },
     #[error(
         "{path}, line {line}: the last line breaks off ({reason}); the recording was probably cut while it was written: \
          delete that line"
     )]
-    TruncatedLastLine {
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        reason: String,
-    },
+    TruncatedLastLine { path: PathBuf, line: usize, reason: String },
     /// More rows are corrupt than may be dropped.
     #[error(
         "{path}, {place}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \

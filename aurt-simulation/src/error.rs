@@ -73,16 +73,9 @@ pub enum SimulationError {
     /// A plan, verdict or truth that cannot be read.
     #[error("{}: {reason}", path.display())]
     Unreadable { path: PathBuf, reason: String },
-    /// A file that is not of its form, at a place.
+    /// A file that is not of its form, at a place; lines and columns (in characters) count from 1.
     #[error("{}:{line}:{column}: {reason}", path.display())]
-    Syntax {
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The column in characters, from 1.
-        column: usize,
-        reason: String,
-    },
+    Syntax { path: PathBuf, line: usize, column: usize, reason: String },
     /// A file or folder that cannot be written or read.
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: std::io::Error },

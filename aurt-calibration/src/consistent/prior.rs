@@ -20,38 +20,24 @@ pub struct Prior {
 /// Why a prior cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum PriorError {
-    /// Another number of parameters than the robot has.
     #[error(
         "the prior has {found} standard parameters, but the robot has {expected}; provide ten for each link, from link 0"
     )]
-    Count {
-        /// Those of the robot.
-        expected: usize,
-        /// Those of the prior.
-        found: usize,
-    },
-    /// No body can have the parameters of a link.
+    Count { expected: usize, found: usize },
     #[error(
         "the prior of link {link} is physically impossible: its pseudo-inertia is not positive definite. Mass and principal \
          moments about the centre of mass must be positive, and no moment may exceed the sum of the others; inertia is about \
          the origin of the link's frame, XY, XZ and YZ as −∫xy dm"
     )]
-    Impossible {
-        /// The link, from 0.
-        link: usize,
-    },
-    /// A model in amperes.
+    Impossible { link: usize },
     #[error(
         "the prior is in kg, m and kg m^2, but the model is in A; set `torque_constants_nm_per_a` in `[robot]`"
     )]
     Unit,
-    /// A weight that is negative or not a number.
     #[error("the prior's weight is {weight}, but must not be negative")]
-    Weight {
-        /// The weight.
-        weight: f64,
-    },
+    Weight { weight: f64 },
 }
 
 impl Prior {

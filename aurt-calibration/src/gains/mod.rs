@@ -87,51 +87,35 @@ pub struct Gains {
 /// Why gains cannot be estimated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "the messages name the fields")]
 pub enum GainsError {
     /// Calibration, or what models and recordings report.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The load weighs nothing.
     #[error("the mass of the load must be positive and finite, but is {mass_kg} kg")]
-    Mass {
-        /// The mass.
-        mass_kg: f64,
-    },
-    /// The deviation of the mass is none.
+    Mass { mass_kg: f64 },
     #[error("the standard deviation of the mass must be finite and not negative, but is {std_kg} kg")]
-    MassDeviation {
-        /// The deviation.
-        std_kg: f64,
-    },
-    /// The centre of mass is nowhere.
+    MassDeviation { std_kg: f64 },
     #[error("the centre of mass must be finite, in m, in the frame of the link that carries the load")]
     CentreOfMass,
-    /// No term of the model is the load.
     #[error(
         "the model has {found} loads with a column `m`, but exactly one of known mass is required; add to the experiment one \
          [[arm_terms]] model = \"payload\" with the `recordings` that carry it"
     )]
-    Loads {
-        /// Loads that the model has.
-        found: usize,
-    },
-    /// The centre of mass is given, but the payload has no columns for it.
+    Loads { found: usize },
     #[error(
         "a centre of mass requires the columns mX, mY and mZ of the payload; add them to its `parameters`"
     )]
     NoMoments,
-    /// All recordings carry the load.
     #[error(
         "the load acts in all recordings, so it cannot be separated from the last link; add a recording without it, and name \
          those with it as `recordings` of the payload"
     )]
     NeverWithout,
-    /// No recording carries the load.
     #[error(
         "the load acts in none of the recordings; name those that carry it as `recordings` of the payload"
     )]
     NeverWith,
-    /// Nothing is determined.
     #[error(
         "these recordings determine no gain and no ratio of gains: move the joints so that a link loads several of them; \
          `aurt excite` plans such a motion"

@@ -41,16 +41,9 @@ pub enum Error {
         reason: String,
         help: Option<String>,
     },
+    /// The same at its place; lines and columns count from 1.
     #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
-    ModelFile {
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The column, from 1.
-        column: usize,
-        reason: String,
-        help: Option<String>,
-    },
+    ModelFile { path: PathBuf, line: usize, column: usize, reason: String, help: Option<String> },
     /// Something cannot be written into a model file.
     #[error("{what} cannot be saved: {reason}")]
     Unsaved { what: String, reason: String },
