@@ -354,6 +354,8 @@ effects! {
     TemperatureDependentFriction = "temperature_dependent_friction" {
         /// Relative change each time the uptime grows by the factor e.
         rate_per_efold: Option<Vec<Estimate>>,
+        /// The same change at the end of the longest recording.
+        change_at_end: Option<Vec<Estimate>>,
         /// Change of dry friction each time the uptime grows by the factor e, Nm.
         coulomb_per_efold_nm: Option<Vec<Estimate>>,
         /// Change of viscous friction each time the uptime grows by the factor e, Nm s/rad.

@@ -6,7 +6,8 @@
 //!
 //! - `coulomb_per_efold_nm`, `viscous_per_efold_nm_s`: F_T and F_Tv; `warming_time_s`: T;
 //! - `rate_per_efold`: relative change of friction at a typical speed, `typical_velocity_rad_s`, each time the uptime grows by the factor
-//!   e; −0.01 to −0.04 was measured on a robot that was already warm.
+//!   e; −0.01 to −0.04 was measured on a robot that was already warm;
+//! - `change_at_end`: the same change at the end of the longest recording, ln(1 + t/T) e-folds after its beginning.
 //!
 //! # How it shows
 //! The same motion needs less torque late in the recording than early in it, by the same share everywhere;
@@ -39,6 +40,8 @@ const USUAL_WARMING_TIME_S: f64 = 60.0;
 
 /// The parameter in which a proposal notes the joint's root mean square speed.
 const TYPICAL_VELOCITY: &str = "typical_velocity_rad_s";
+/// The parameter in which a proposal notes how long the longest recording lasts.
+const DURATION: &str = "duration_s";
 
 pub static EFFECT: Effect = Effect {
     id: "temperature_dependent_friction",
@@ -52,25 +55,30 @@ pub static EFFECT: Effect = Effect {
         Parameter::new(TYPICAL_VELOCITY, Unit::Velocity),
         Parameter::new("warming_time_s", Unit::Time),
         Parameter::new("rate_per_efold", Unit::One),
+        Parameter::new("change_at_end", Unit::One),
+        Parameter::new(DURATION, Unit::Time),
     ],
     propose,
     estimate: Some(estimate),
     excludes: |parameters, _| {
-        // Friction that falls by all of itself in an e-fold would drive the joint.
-        let [rate, std] = parameters.get("rate_per_efold")?.number()?;
-        (rate + 2.0 * std < -1.0)
-            .then(|| format!("rate_per_efold is {}: no friction would be left", with_deviation(rate, std)))
+        // Friction that falls by all of itself would drive the joint.
+        let [change, std] = parameters.get("change_at_end")?.number()?;
+        (change + 2.0 * std < -1.0)
+            .then(|| format!("change_at_end is {}: no friction would be left", with_deviation(change, std)))
     },
     ..Effect::FRICTION
 };
 
 /// Friction rises or falls; both signs are physical.
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
+    let ends = context.recordings.iter().filter_map(|r| Some(r.time_s.last()? - r.time_s[0]));
+    let duration_s = ends.fold(0.0, f64::max);
     let on = |j: usize| {
         let term = json!({"model": "temperature", "joints": [j], "warming_time_s": USUAL_WARMING_TIME_S});
         Proposal::term(vec![j], term)
             .shaped(WARMING_TIME)
             .with(TYPICAL_VELOCITY, typical_velocity_rad_s(context, j))
+            .with(DURATION, duration_s)
     };
     (0..context.joints).map(on).collect()
 }
@@ -85,6 +93,11 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], own: &OwnFriction) -> 
         let rate = (dry.1 + wet.1 * speed) / level;
         let std = dry.2.hypot(wet.2 * speed) / level;
         parameters.insert("rate_per_efold".to_owned(), ParameterValue::new(rate, std));
+        let [duration_s, warming_time_s] = [DURATION, WARMING_TIME.name].map(|name| proposal.fixed.get(name));
+        if let (Some(duration_s), Some(warming_time_s)) = (duration_s, warming_time_s) {
+            let efolds = (duration_s / warming_time_s).ln_1p();
+            parameters.insert("change_at_end".to_owned(), ParameterValue::new(rate * efolds, std * efolds));
+        }
     }
     parameters
 }
