@@ -7,7 +7,8 @@
 //! - `coulomb_per_efold_nm`, `viscous_per_efold_nm_s`: F_T and F_Tv; `warming_time_s`: T;
 //! - `rate_per_efold`: relative change of friction at a typical speed, `typical_velocity_rad_s`, each time the uptime grows by the factor
 //!   e; −0.01 to −0.04 was measured on a robot that was already warm;
-//! - `change_at_end`: the same change at the end of the longest recording, ln(1 + t/T) e-folds after its beginning.
+//! - `change_at_end`: the same change at the end of the longest recording, ln(1 + t/T) e-folds after its beginning;
+//! - `duration_s`: how long the longest recording lasts.
 //!
 //! # How it shows
 //! The same motion needs less torque late in the recording than early in it, by the same share everywhere;
