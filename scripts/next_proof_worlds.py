@@ -125,7 +125,7 @@ class Simulated:
                                  "exponent": rng.uniform(1.0, 2.0)},
             "viscous_nonlinear": lambda: {"bend_nm": [0.3 * share * viscous], "slope_nm_s": [viscous], "reference_rad_s": [1.0],
                                           "onset": 0.1},
-            "coulomb_asymmetry": lambda: {"half_difference_nm": [0.5 * sign * torque], "mean_nm": [coulomb]},
+            "coulomb_asymmetry": lambda: {"half_difference_nm": [0.5 * sign * min(torque, 1.8 * coulomb)], "mean_nm": [coulomb]},
             "viscous_asymmetry": lambda: {"half_difference_nm_s": [sign * min(torque, 0.9 * viscous)], "mean_nm_s": [viscous]},
             "current_offset": lambda: {"offset_nm": [0.5 * sign * torque]},
             "presliding_hysteresis": lambda: {"distance_rad": [0.06 * share], "model": "masing", "damping_share": 0.0},

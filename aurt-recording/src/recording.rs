@@ -298,7 +298,6 @@ impl Recording {
         std::iter::once(&self.position_rad).chain(others.into_iter().flatten())
     }
 
-    /// Appends later samples of the same robot.
     /// Appends the samples of a later recording of the same joints; series that one of both lacks stay as they are.
     pub fn extend(&mut self, later: Self) {
         let append = |ours: &mut Vec<Vec<f64>>, theirs: Vec<Vec<f64>>| {

@@ -12,8 +12,9 @@ pub struct Prior {
     /// All standard parameters, in the order of
     /// [`RigidBodyRegressor::standard_parameters`](aurt_traits::RigidBodyRegressor::standard_parameters).
     pub standard: Vec<f64>,
-    /// How strongly estimates are pulled towards them, in squared standard deviations for each unit of the pull: 1/σ², where σ is the relative standard deviation
-    /// of masses and of second moments about the centre of mass. With zero the prior only decides what the data leave open.
+    /// Strength of the pull towards them, in squared standard deviations for each unit of the pull: 1/σ², where σ is the relative
+    /// standard deviation of masses and of second moments about the centre of mass. With zero the prior only decides what the data
+    /// leave open.
     pub weight: f64,
 }
 

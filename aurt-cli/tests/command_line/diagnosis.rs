@@ -400,6 +400,13 @@ fn short_and_empty_recordings_are_no_excuse() {
     };
     folder.write("short.toml", &calibrated_on("{ file = \"exciting_motion.csv\", window_s = [2.0, 3.5] }"));
     folder.run("diagnose short.toml --out short").refused(&["exciting_motion.csv", "too short"]);
+    let beside = "\"exciting_motion.csv\", { file = \"other_motion.csv\", window_s = [2.0, 3.2] }";
+    folder.write("beside.toml", &calibrated_on(beside));
+    let run = folder.run("diagnose beside.toml --out beside");
+    assert!(run.status() <= 1, "{}", run.stderr());
+    let beside = folder.json("beside/verdict.json");
+    let noted = |of: &Value| of.to_string().contains("other_motion.csv is short");
+    assert!(noted(&beside["notes"]) || noted(&beside["not_examined"]), "{beside}");
 
     // After the stamp and the positions of six joints come their currents.
     folder.edit("exciting_motion.csv", |text| {

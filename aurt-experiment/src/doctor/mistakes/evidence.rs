@@ -103,6 +103,23 @@ mod tests {
         }
     }
 
+    /// Errors of two joints before and after: a cure lowers those of its own joint, taking that joint out lowers the other's.
+    #[test]
+    fn a_cure_lowers_the_errors_of_its_own_joints() {
+        let of = |joints: [f64; 2]| Score {
+            joints: joints.map(Some).to_vec(),
+            moving: vec![true; 2],
+            fed: vec![false; 2],
+            total: 0.5,
+            parts: Vec::new(),
+        };
+        let before = of([0.9, 0.2]);
+        assert!(of([0.1, 0.1]).is_better_on(&[0], &before));
+        assert!(!of([0.9, 0.02]).is_better_on(&[0], &before));
+        assert!(!of([0.2, 0.9]).is_better_on(&[1], &before));
+        assert!(of([0.9, 0.02]).is_better_on(&[], &before));
+    }
+
     #[test]
     fn the_gain_is_the_logarithm_of_the_ratio_of_errors() {
         let mut random = Random::new(3);

@@ -80,8 +80,8 @@ impl Score {
         (0..self.joints.len()).filter_map(|j| Some(self.ratio(j)?.ln())).sum()
     }
 
-    /// Whether the mean of ln(r_j before / r_j) over some joints is at least that over all; true without joints. What a model lacks on
-    /// one joint is not to be cured by taking that joint out of the fit, which lowers the errors of the others.
+    /// True if the mean of ln(r_j before / r_j) over some joints is at least that over all, or there are none. Taking a joint of which
+    /// the model lacks something out of the fit lowers the errors of the others alone.
     pub(super) fn is_better_on(&self, joints: &[usize], before: &Self) -> bool {
         let gain = |j: usize| Some((before.ratio(j)? / self.ratio(j)?).ln());
         let mean = |gains: Vec<f64>| gains.iter().sum::<f64>() / gains.len().max(1) as f64;
