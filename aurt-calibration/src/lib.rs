@@ -59,7 +59,7 @@ pub use rows::{
     JointRange, NamedRecording, RowBlock, TermScopes, accumulate, accumulate_scoped,
     for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile,
 };
-pub use statistics::{ONE_SIDED_5, in_standard_errors, student, two_sided};
+pub use statistics::{ONE_SIDED_5, student, two_sided};
 pub use system::{Estimate, JointFactor, Solution, System, estimate};
 pub use uncertainty::{CalibratedParameter, deviation_digits, noise_bandwidth_factor, with_deviation};
 pub use validation::{

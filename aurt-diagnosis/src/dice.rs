@@ -1,4 +1,4 @@
-//! Numbers for tests, the same in every run: a linear congruential sequence (Knuth's multiplier).
+//! Random numbers, the same in every run: a linear congruential sequence (Knuth's multiplier).
 
 pub struct Dice(pub u64);
 

@@ -16,14 +16,6 @@ pub enum DiagnosisError {
          those that show what the model lacks"
     )]
     NothingToDiagnose,
-    /// A simulator's prediction does not belong to a recording.
-    #[error("{file}: {reason}")]
-    Simulated {
-        /// The prediction file.
-        file: String,
-        /// What does not fit.
-        reason: String,
-    },
     /// What is in question is too short for any judgement.
     #[error(
         "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed for \

@@ -26,7 +26,6 @@
 #![expect(missing_docs, reason = "names that say all need no sentence")]
 
 pub mod contact;
-#[cfg(test)]
 mod dice;
 pub mod discrimination;
 pub mod drives;

@@ -87,7 +87,7 @@ impl NoiseReport {
     pub fn tone(&self, verdict: &Verdict, asked: Asked) -> Tone {
         let answers = [Some(verdict.verdict), verdict.structure.filter(|_| asked == Asked::Change)];
         let has = |wanted: &[Answer]| answers.iter().flatten().any(|answer| wanted.contains(answer));
-        let indicates = asked == Asked::Change && !verdict.indicated_changes().is_empty();
+        let indicates = asked == Asked::Change && !verdict.indicated_changes(false).is_empty();
         let is_judged = self.joints.iter().any(|joint| joint.state != NoiseState::NotJudged);
         if has(&[Answer::Unexplained, Answer::HeldOutDiffers]) {
             Tone::Attention

@@ -70,8 +70,9 @@ pub fn groups(verdict: &Verdict, asked: Asked) -> Vec<Group<'_>> {
 pub fn nothing(verdict: &Verdict) -> &'static str {
     match verdict.verdict {
         Answer::Unexplained => "nothing that was identified",
-        _ if verdict.indicated_changes().is_empty() => "nothing",
-        _ => "nothing that is confirmed",
+        _ if !verdict.indicated_changes(false).is_empty() => "nothing that is confirmed",
+        _ if !verdict.indicated_changes(true).is_empty() => "nothing by more than is usual",
+        _ => "nothing",
     }
 }
 
@@ -190,10 +191,15 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     format!("{difference}; in all recordings {lack}")
 }
 
-/// A change that the target shows beyond chance and that fails a test, in words.
+/// A change that the target shows beyond chance and that fails a test, in words, or that there are none but usual ones.
 fn unconfirmed_change(verdict: &Verdict) -> Option<String> {
-    let named = brief(verdict, verdict.indicated_changes())?;
-    Some(format!("no change is confirmed: the target indicates {named}, which fails a test"))
+    let indicated = verdict.indicated_changes(false);
+    let fail = if indicated.len() == 1 { "fails a test" } else { "fail a test" };
+    let unconfirmed = brief(verdict, indicated)
+        .map(|named| format!("no change is confirmed: the target indicates {named}, which {fail}"));
+    let has_usual = !verdict.indicated_changes(true).is_empty();
+    let usual = "nothing has changed by more than recordings of an unchanged robot differ by";
+    unconfirmed.or_else(|| has_usual.then(|| usual.to_owned()))
 }
 
 /// A model's lack, where that is the only question.

@@ -6,4 +6,4 @@ mod student;
 pub(crate) use random::Random;
 pub(crate) use student::{low_chi_squared, normal};
 
-pub use student::{ONE_SIDED_5, in_standard_errors, student, two_sided};
+pub use student::{ONE_SIDED_5, student, two_sided};

@@ -5,15 +5,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 /// The normal deviate that 5 % exceed.
 pub const ONE_SIDED_5: f64 = 1.644_853_626_951_472;
 
-/// The mean of some values over its standard error: Student's t with one degree of freedom less than there are values.
-#[must_use]
-pub fn in_standard_errors(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean / (variance / n).sqrt()
-}
-
 /// The normal deviate with the probability of Student's t (Wallace 1959, *Annals of Mathematical Statistics* 30). In the
 /// tails of a chart a probability is too close to one to be told from it; this needs none.
 pub(crate) fn normal(t: f64, freedom: f64) -> f64 {

@@ -131,7 +131,7 @@ pub(super) fn doubts(
     let claimed = || selection.chosen.iter().map(|chosen| chosen.group);
     for (i, one) in selection.chosen.iter().enumerate() {
         let others = || claimed().enumerate().filter(move |(k, _)| *k != i).map(|(_, g)| g);
-        if investigation.is_withheld(one) {
+        if one.withheld.is_some() {
             let explanations = [explained(&mut claimed(), Some(one.group)), explained(&mut others(), None)];
             found.push(Doubt::Indicated {
                 subject: of_group(one.group),

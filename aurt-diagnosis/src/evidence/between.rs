@@ -71,10 +71,11 @@ impl<'a> Between<'a> {
     /// Satterthwaite (*Biometrics Bulletin* 2, 1946).
     pub(crate) fn inflation(&self, group: &Group, groups: &[Group]) -> Option<Inflation> {
         let is_alike = |g: &&Group| g.effect == group.effect && g.target_only() && g.joints != group.joints;
-        let alike = groups.iter().filter(is_alike).filter_map(|g| self.mean_square(g));
+        let alike = groups.iter().filter(is_alike).filter_map(|g| self.statistic(g));
         let [others, freedom] =
-            alike.fold([0.0; 2], |[sum, all], [square, own]| [sum + square * own, all + own]);
-        let parts = [self.mean_square(group), (freedom > 0.0).then(|| [others / freedom, freedom])];
+            alike.fold([0.0; 2], |[sum, all], s| [sum + s.mean_square * s.freedom, all + s.freedom]);
+        let own = self.statistic(group).map(|s| [s.mean_square, s.freedom]);
+        let parts = [own, (freedom > 0.0).then(|| [others / freedom, freedom])];
         let shares: Vec<[f64; 2]> = parts.into_iter().flatten().collect();
         let share = (shares.len() as f64).recip();
         let square: f64 = shares.iter().map(|[square, _]| share * square).sum();
@@ -82,9 +83,33 @@ impl<'a> Between<'a> {
         (square > 0.0).then(|| Inflation { factor: square.sqrt(), freedom: square * square / spread })
     }
 
-    /// The mean over recordings of the statistic of each, over its expectation from noise, and its degrees of freedom; `None` where the
-    /// model takes up all.
-    fn mean_square(&self, group: &Group) -> Option<[f64; 2]> {
+    /// The share by which friction differs between the recordings, from changes of its level, with the friction of each that the model has;
+    /// `None` where noise hides it.
+    ///
+    /// If the coefficients f_k of a joint differ by a share of variance s², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
+    /// I is the information of a recording whose mean with the others is not taken off. All joints tell of one s, each by its degrees of freedom times (s² U/(1 + s² U))², which is taken at the usual share.
+    pub(crate) fn friction_share<'g>(
+        &self,
+        levels: impl Iterator<Item = (&'g Group, Vec<f64>)>,
+        usual: f64,
+    ) -> Option<Share> {
+        let [mut sum, mut freedom] = [0.0; 2];
+        for (group, friction) in levels {
+            let Some(of) = self.statistic(group) else { continue };
+            let told: f64 = of.information.iter().zip(&friction).map(|(i, f)| i * f * f).sum();
+            if told > 0.0 {
+                let by_friction = usual * usual * told / (1.0 + usual * usual * told);
+                let weight = of.freedom * by_friction * by_friction;
+                sum += weight * (of.mean_square - 1.0) / told;
+                freedom += weight;
+            }
+        }
+        let recordings = self.recordings.len() as f64;
+        (freedom >= 1.0).then(|| Share { std: (sum / freedom).max(0.0).sqrt(), freedom, recordings })
+    }
+
+    /// The statistic of a group; `None` where the model takes up all.
+    fn statistic(&self, group: &Group) -> Option<Statistic> {
         let columns: Vec<usize> = group.switches.iter().map(|s| s.column).collect();
         let (d, n) = (columns.len(), self.columns.len());
         // s of each recording, CᵀWC, and what the model takes of C: L⁻¹XᵀWC.
@@ -114,19 +139,43 @@ impl<'a> Between<'a> {
         let sums: Vec<f64> = (0..d).map(|a| parts.iter().map(|(score, ..)| score[a]).sum()).collect();
         let common = in_all.solve(&sums);
         let (mut sum, mut count) = (0.0, 0.0);
+        let mut diagonal = vec![0.0; d];
         for ((score, own, cross), alike) in parts.iter().zip(&alike) {
             let columns = || alike.as_slice().chunks_exact(d.max(1));
             let score: Vec<f64> = score.iter().zip(columns()).map(|(s, of)| s - dot(of, &common)).collect();
             let solved: Vec<f64> = columns().flat_map(|column| in_all.solve(column)).collect();
             let free = own - cross.tr_mul(cross) - alike.tr_mul(&DMatrix::from_vec(d, d, solved));
+            diagonal.iter_mut().enumerate().for_each(|(k, sum)| *sum += free[(k, k)].max(0.0));
             let information = Cholesky::new(free.as_slice(), d);
             sum += dot(&score, &information.solve(&score));
             count += information.used().iter().filter(|used| **used).count() as f64;
         }
         // What all have alike takes what one of them would tell.
         let freedom = count * (1.0 - (self.recordings.len() as f64).recip());
-        (count > 0.0).then(|| [sum / count / self.memory, freedom])
+        let per = count * self.memory;
+        let apart = freedom / count;
+        let information = diagonal.iter().map(|sum| sum / per / apart).collect();
+        (count > 0.0).then(|| Statistic { mean_square: sum / per, freedom, information })
     }
+}
+
+/// By how much recordings differ in a group.
+struct Statistic {
+    /// Mean over recordings and coefficients, over its expectation from noise.
+    mean_square: f64,
+    freedom: f64,
+    /// What a coefficient of size one adds to it.
+    information: Vec<f64>,
+}
+
+/// The share by which friction differs from one recording to the next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Share {
+    pub(crate) std: f64,
+    /// Degrees of freedom of its square.
+    pub(crate) freedom: f64,
+    /// Recordings that friction at calibration is the mean of.
+    pub(crate) recordings: f64,
 }
 
 /// The factor by which recordings of a machine that nobody has touched differ more than noise explains.
@@ -184,5 +233,41 @@ mod tests {
         assert!(inflation(&[5.0, 5.0]).is_none_or(|factor| factor < 1e-6));
         assert!((inflation(&[5.0, 6.0]).unwrap() - 200.0_f64.sqrt()).abs() < 1e-9);
         assert!(inflation(&[5.0]).is_none());
+    }
+
+    /// Levels of the mean 5 whose variance among recordings is known.
+    #[test]
+    fn the_share_of_friction_is_that_of_its_levels() {
+        let layout = Layout { coefficients: 1, rows: vec![vec![0]], first_instrument: 1 };
+        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
+        let group = Group {
+            effect: &EFFECT,
+            joints: vec![0],
+            candidate: 0,
+            switches: vec![switch(true)],
+            accessory: Vec::new(),
+            shapes: 0,
+        };
+        let share = |levels: &[f64]| {
+            let rows = recordings(levels);
+            let between = Between::new(&rows, &layout, &[switch(false), switch(true)], &[1.0], 1.0)?;
+            between.friction_share([(&group, vec![5.0])].into_iter(), 0.06)
+        };
+        for deviations in [[-0.5, 0.5, 0.0, 0.0], [-1.0, 1.0, -1.0, 1.0]] {
+            let variance = deviations.iter().map(|d| d * d).sum::<f64>() / 3.0;
+            let found = share(&deviations.map(|d| 5.0 + d)).unwrap();
+            assert!((found.std / (variance.sqrt() / 5.0) - 1.0).abs() < 0.1, "{found:?} {variance}");
+            assert_eq!(found.recordings, 4.0);
+        }
+        // A friction that noise hides tells nothing.
+        let hidden = between_noise(&layout, &group);
+        assert!(hidden.is_none(), "{hidden:?}");
+    }
+
+    fn between_noise(layout: &Layout, group: &Group) -> Option<Share> {
+        let rows = recordings(&[5.0, 5.1, 4.9]);
+        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
+        let between = Between::new(&rows, layout, &[switch(false), switch(true)], &[1e-6], 1.0)?;
+        between.friction_share([(group, vec![5.0])].into_iter(), 0.06)
     }
 }

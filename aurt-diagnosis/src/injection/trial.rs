@@ -125,7 +125,6 @@ impl Prepared<'_> {
             noise: reference.noise.clone(),
             noise_notes,
             floor,
-            misfit: reference.misfit.clone(),
             faults: reference.faults.clone(),
             faults_matter: reference.faults_matter,
             undetermined: reference.undetermined,

@@ -4,12 +4,15 @@
 //! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
 //! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
+use aurt_traits::ColumnGroup;
+
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::Inflation;
+use crate::evidence::between::{Inflation, Share};
 use crate::evidence::deviations::beyond_chance;
 use crate::evidence::gram::dot;
+use crate::evidence::linear::Cholesky;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
@@ -45,7 +48,7 @@ pub(crate) fn concerned(chosen: &Chosen) -> Vec<usize> {
 
 /// Takes what fails out of the selection, one after another, and tests what remains anew: first what chance makes most easily, since
 /// beside what fits some recordings only, held-out rows speak against what is there as well; then the weakest. Notes for the rest
-/// on which share of the blocks of time it lowers the error, and whether it lowers that of the calibration recordings.
+/// why it is no claim, though it stays in the model, lest something else takes its place.
 pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -> Result<(), DiagnosisError> {
     if investigation.selection.chosen.is_empty() {
         return Ok(());
@@ -57,9 +60,9 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         let most = trial.largest_by_chance(question.selection.level);
         let mut fails = trial.all_fails(most);
         let Some(worst) = trial.worst(&fails, most) else {
-            let brings: Vec<bool> = (0..fails.len()).map(|i| trial.lowers_error(i, &[0])).collect();
-            for (chosen, in_reference) in investigation.selection.chosen.iter_mut().zip(brings) {
-                chosen.in_reference = in_reference;
+            let withheld: Vec<Option<String>> = (0..fails.len()).map(|i| trial.withheld(i)).collect();
+            for (chosen, why) in investigation.selection.chosen.iter_mut().zip(withheld) {
+                chosen.withheld = why;
             }
             break;
         };
@@ -115,6 +118,25 @@ struct Trial<'a> {
     errors: [Vec<f64>; 2],
     errors_without: Vec<[Vec<f64>; 2]>,
 }
+
+/// The torque that something is named for.
+struct Size {
+    /// Its coefficients.
+    named: Vec<Switch>,
+    /// Their weights.
+    weights: Vec<f64>,
+    /// These among all coefficients.
+    direction: Vec<f64>,
+    freedoms: f64,
+    size: f64,
+}
+
+/// Degrees of freedom of a variance that is known.
+const KNOWN: f64 = 1e6;
+
+/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
+/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
+pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
 
 impl<'a> Trial<'a> {
     fn new(question: &Question<'_>, investigation: &'a Investigation, reach_m: f64) -> Self {
@@ -217,11 +239,9 @@ impl<'a> Trial<'a> {
         })
     }
 
-    /// Says that the torque that it is named for may be none. In the direction g that was fitted (or the effect's contrast), gᵀβ has the
-    /// larger of the deviation that residuals with a memory give and of the jackknife's over blocks, of which there are so many that
-    /// their ratio is Student's t where nothing is. A change is compared also with what calibration recordings differ by among themselves:
-    /// where that is all, the square of the ratio over the number of coefficients is F.
-    fn too_near_zero(&self, i: usize) -> Option<String> {
+    /// The coefficients that one of it is named for: the direction g that was fitted (or the effect's contrast) among all, the number of
+    /// freedoms, and the size gᵀβ.
+    fn size(&self, i: usize) -> Size {
         let (group, whole, problem) = (self.groups[i], &self.whole, &self.investigation.problem);
         let named: Vec<Switch> =
             group.switches.iter().filter(|s| !group.accessory.contains(s)).copied().collect();
@@ -241,22 +261,94 @@ impl<'a> Trial<'a> {
             at.iter().for_each(|at| direction[*at] = *weight);
         }
         let size = dot(&direction, &whole.fit.coefficients).abs();
-        let away = |factor: f64| size / whole.deviation(problem, &direction, factor).max(f64::MIN_POSITIVE);
-        let blocks = problem.blocks();
-        let [sure, from_zero] = [beyond_chance(1.0, blocks as f64 - 1.0, BY_CHANCE), away(1.0)];
-        if from_zero < sure {
-            return Some(format!(
-                "it is {from_zero:.1} σ from zero; {blocks} blocks of time require {sure:.1} σ"
-            ));
+        Size { named, weights, direction, freedoms: d, size }
+    }
+
+    /// Says that the torque that it is named for may be none. gᵀβ has the larger of the deviation that residuals with a memory give and of
+    /// the jackknife's over blocks, of which there are so many that their ratio is Student's t where nothing is.
+    fn too_near_zero(&self, i: usize) -> Option<String> {
+        let Size { direction, size, .. } = self.size(i);
+        let blocks = self.investigation.problem.blocks();
+        let sure = beyond_chance(1.0, blocks as f64 - 1.0, BY_CHANCE);
+        let from_zero = size / self.deviation(&direction, 1.0);
+        (from_zero < sure)
+            .then(|| format!("it is {from_zero:.1} σ from zero; {blocks} blocks of time require {sure:.1} σ"))
+    }
+
+    fn deviation(&self, direction: &[f64], factor: f64) -> f64 {
+        self.whole.deviation(&self.investigation.problem, direction, factor).max(f64::MIN_POSITIVE)
+    }
+
+    /// Says why one of it is no claim, though the recordings show it.
+    fn withheld(&self, i: usize) -> Option<String> {
+        let Investigation { problem, undetermined, .. } = self.investigation;
+        if !(problem.has_reference() && problem.has_target()) || *undetermined {
+            return None;
         }
-        let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
-        let [sure, from_zero] = [beyond_chance(d, freedom, self.level), away(factor)];
+        if self.groups[i].target_only() {
+            return self.usual(i);
+        }
+        let shows = !self.groups[i].is_named() || self.lowers_error(i, &[0]);
+        (!shows).then(|| "the calibration recordings do not show it".to_owned())
+    }
+
+    /// Says that a change is within what recordings of an unchanged robot differ by. Each joint could have shown one: the level is that of a
+    /// search over all.
+    ///
+    /// Where calibration recordings tell by how much they differ among themselves, (gᵀβ)² over its variance and the number of
+    /// coefficients is F. Friction differs by a share of itself, which joints have in common and a single recording does not tell: then it is
+    /// [`BETWEEN_RECORDINGS`]. A share makes the change I⁻¹CᵀWF with I = CᵀWC, the columns C of the change and those of friction F.
+    fn usual(&self, i: usize) -> Option<String> {
+        let (group, whole) = (self.groups[i], &self.whole);
+        let size = self.size(i);
+        let searches = self.least.len() as f64 / group.joints.len() as f64;
+        let level = -libm::expm1(libm::log1p(-self.level) / searches);
+        if !group.effect.is_friction {
+            let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
+            let sure = beyond_chance(size.freedoms, freedom, level);
+            let from_zero = size.size / self.deviation(&size.direction, factor);
+            return (from_zero < sure).then(|| {
+                format!(
+                    "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times \
+                     noise; {sure:.1} σ are required"
+                )
+            });
+        }
+        let known = Share { std: BETWEEN_RECORDINGS, freedom: KNOWN, recordings: 1.0 };
+        let Share { std, freedom, recordings } = whole.between.unwrap_or(known);
+        let usual = std * (1.0 + recordings.recip()).sqrt() * self.by_friction(&size);
+        let all = self.deviation(&size.direction, 1.0).hypot(usual);
+        // W. Satterthwaite, *Biometrics Bulletin* 2, 1946.
+        let freedom = (freedom * (all / usual).powi(4)).min(KNOWN);
+        let [sure, from_zero] = [beyond_chance(size.freedoms, freedom, level), size.size / all];
+        let tells = if whole.between.is_some() {
+            "as calibration recordings tell"
+        } else {
+            "which one calibration recording does not tell"
+        };
         (from_zero < sure).then(|| {
             format!(
-                "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times noise; \
-                 {sure:.1} σ are required"
+                "it is {from_zero:.1} σ from zero where friction differs by {:.1} % from one recording to the next, {tells}; {sure:.1} σ are \
+                 required",
+                100.0 * std
             )
         })
+    }
+
+    /// Standard deviation of the size of a change where each coefficient of friction differs by as much as itself.
+    fn by_friction(&self, Size { named, weights, .. }: &Size) -> f64 {
+        let Investigation { problem, model, baseline, base_switches, .. } = self.investigation;
+        let own = self.whole.own(&baseline.coefficients, base_switches);
+        let joints = 0..self.least.len();
+        let columns: Vec<usize> = joints.flat_map(|j| model.group(ColumnGroup::JointDynamics(j))).collect();
+        let of_targets = |column: &usize| Switch { column: *column, target_only: true, nonnegative: false };
+        let friction: Vec<Switch> = columns.iter().filter(|c| **c < own.len()).map(of_targets).collect();
+        let (total, beside) = (problem.total(), &self.whole.weights);
+        let gram = problem.cross(total, named, named, beside);
+        let weights = Cholesky::new(&gram, named.len()).solve(weights);
+        let products = problem.cross(total, named, &friction, beside);
+        let changes = products.chunks_exact(named.len().max(1)).zip(&friction);
+        changes.map(|(product, s)| (own[s.column] * dot(product, &weights)).powi(2)).sum::<f64>().sqrt()
     }
 }
 

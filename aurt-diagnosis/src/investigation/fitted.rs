@@ -2,8 +2,9 @@
 
 use aurt_traits::RobotModel;
 
+use crate::effects::friction_level_changed;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::{Between, Inflation};
+use crate::evidence::between::{Between, Inflation, Share};
 use crate::evidence::deviations::{Resampled, beside_given, memory};
 use crate::evidence::gram::dot;
 use crate::evidence::linear::Cholesky;
@@ -11,7 +12,7 @@ use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
-use crate::investigation::Investigation;
+use crate::investigation::{BETWEEN_RECORDINGS, Investigation};
 use crate::parameters::{FittedColumn, Parameters};
 use crate::vocabulary::OwnFriction;
 
@@ -33,6 +34,8 @@ pub(crate) struct Fitted {
     independent_share: f64,
     /// By how much calibration recordings differ among themselves in the coefficients of changes.
     inflations: Vec<(Vec<Switch>, Inflation)>,
+    /// By how much friction differs among them, if they tell.
+    pub(super) between: Option<Share>,
 }
 
 impl Fitted {
@@ -48,6 +51,13 @@ impl Fitted {
         let is_fitted = |g: &&Group| g.target_only() && g.switches.iter().all(|s| switches.contains(s));
         let of = |group: &Group| Some((group.switches.clone(), between.inflation(group, groups)?));
         fitted.inflations = groups.iter().filter(is_fitted).filter_map(of).collect();
+        let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
+        let levels = groups.iter().filter(|g| g.effect == &friction_level_changed::EFFECT && g.target_only());
+        let friction = |group: &Group| {
+            let of = OwnFriction::of(&investigation.model, group.joints[0], &own);
+            vec![of.coulomb_nm, of.viscous_nm_s]
+        };
+        fitted.between = between.friction_share(levels.map(|g| (g, friction(g))), BETWEEN_RECORDINGS);
         for (own, inflation) in &fitted.inflations {
             for (k, _) in fitted.switches.iter().enumerate().filter(|(_, s)| own.contains(s)) {
                 let inflated = fitted.deviation_of(k, inflation.factor);
@@ -67,9 +77,17 @@ impl Fitted {
         let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
         let of_given = beside_given(problem, &switches, &weights);
-        let (deviations, inflations) = (Vec::new(), Vec::new());
-        let mut fitted =
-            Self { switches, fit, weights, deviations, resampled, of_given, independent_share, inflations };
+        let mut fitted = Self {
+            switches,
+            fit,
+            weights,
+            deviations: Vec::new(),
+            resampled,
+            of_given,
+            independent_share,
+            inflations: Vec::new(),
+            between: None,
+        };
         fitted.deviations = (0..fitted.switches.len()).map(|k| fitted.deviation_of(k, 1.0)).collect();
         fitted
     }

@@ -1,26 +1,40 @@
-//! Gears, and the fit of the model without what they do to the measurement.
+//! Gears beside all claims, and what is claimed beside gears.
+//!
+//! A gear that the model lacks biases the fit, and with it the claims; what claims lack biases the gear. So they take turns: gears
+//! are sought in what the model and all claims leave, their torque is taken out of the measurement, and the recordings are
+//! examined without it.
 
 use std::sync::Arc;
 
 use aurt_calibration::for_each_tile;
+use aurt_plugins::Registry;
 use aurt_recording::Segment;
+use aurt_traits::LoadTorque;
 
 use crate::effects::joint_elasticity;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load, partition};
 use crate::evidence::judged::Judged;
-use crate::investigation::{Fitted, Investigation};
+use crate::investigation::{Examination, Fitted, Investigation, earn, examine};
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::{AMPLITUDE, Gears, Shaking, find_gears, gears_anew, undone};
 
-/// A model fitted without what gears do, and what it left with it.
-pub(super) struct WithoutGears {
-    pub judged: Judged,
+/// Gears whose torque is taken out of the measurement, and the model that bears their links.
+pub(super) struct Elastic {
+    /// All that were looked for; the torque of the confirmed ones is taken out.
     pub gears: Gears,
-    /// The recordings without the torque of confirmed gears, if there are any.
-    pub recordings: Option<Vec<QuestionedRecording>>,
-    pub before: Option<BeforeGears>,
+    /// What the model left before.
+    pub before: BeforeGears,
+    bearing: Bearing,
+}
+
+/// The model's own coefficients beside all claims.
+struct Bearing {
+    load: LoadTorque,
+    coefficients: Vec<f64>,
+    /// Those of the rigid bodies: column and value.
+    inertial: Vec<(usize, f64)>,
 }
 
 /// What the model in question left of the measurement while the gears' torque was in it, root mean square, joint by joint.
@@ -32,80 +46,110 @@ pub struct BeforeGears {
     pub held_out_rms: Vec<f64>,
 }
 
-/// A gear that the model lacks biases the fit, and the fit the gear: so often they take turns. The amplitude's error falls to a fifth
-/// or less with each (0.77, 0.91, 0.938, 0.940 in the slowest case of `clean`, seed 90001), and is below its deviation after the third.
-const TURNS: usize = 4;
+/// Turns after which a gear that still moves is taken as it is.
+const TURNS: usize = 3;
+
+/// A gear is settled when its stiffness moves by less than this share of its deviation.
+const SETTLED: f64 = 0.2;
 
 /// A joint is predicted worse if its held-out error (root mean square) grows by this share; less is within what two
 /// stretches of time differ by.
 pub(crate) const WORSE: f64 = 0.05;
 
-/// Looks for gears of some joints in what a model leaves, and fits the model again without their torque; `of_all` says whether it is
-/// to be fitted to all recordings.
-pub(super) fn without_gears(
+/// Looks for gears in what a rigid examination's claims leave, and examines the recordings without their torque until neither
+/// claims nor gears change; the rigid examination where no gear stays confirmed.
+pub(super) fn beside_gears(
     question: &Question<'_>,
-    original: Judged,
-    of_all: bool,
-    joints: &[usize],
-) -> Result<WithoutGears, DiagnosisError> {
-    let mut gears = Gears::default();
-    let mut freed: Option<(Vec<QuestionedRecording>, Judged)> = None;
-    let turns = if joints.is_empty() { 0 } else { TURNS };
-    for turn in 0..turns {
-        let Judged { baseline, .. } = freed.as_ref().map_or(&original, |(_, refitted)| refitted);
-        let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-        let columns = question.model.base().columns.iter().copied();
-        let inertial: Vec<(usize, f64)> = columns.zip(baseline.coefficients.iter().copied()).collect();
-        let mut found = if turn == 0 {
-            find_gears(question, &fit, &inertial, joints)?
-        } else {
-            Gears { found: gears_anew(question, &fit, &inertial, &gears.found)?, ..gears.clone() }
-        };
-        let is_asked = |gear: &Shaking| joints.contains(&gear.joint);
-        found.found.iter_mut().filter(|g| g.confirmed && !is_asked(g)).for_each(Shaking::made_superfluous);
-        let is_last = turn + 1 == turns;
-        if is_last {
-            found.found.iter_mut().for_each(Shaking::require_size);
-        }
-        let confirmed = found.found.iter().any(|g| g.confirmed);
-        if turn == 0 || is_last || confirmed {
-            gears = found;
-        }
-        if !confirmed {
-            // Those of the turn before stay if their size is known.
-            gears.found.iter_mut().for_each(Shaking::require_size);
-            freed = freed.filter(|_| !is_last && gears.found.iter().any(|g| g.confirmed));
+    registry: &Registry,
+    rigid: Examination,
+    progress: &mut impl FnMut(&str),
+) -> Result<Examination, DiagnosisError> {
+    progress("simulating links on their gears");
+    let repaired = &Question { recordings: &rigid.recordings, ..*question };
+    let fitted = Bearing::new(&rigid.investigation);
+    let recordings = without_claims(repaired, &rigid.investigation)?;
+    let mut gears = find_gears(
+        &Question { recordings: &recordings, ..*question },
+        &fitted.fit(question),
+        &fitted.inertial,
+    )?;
+    let of_all = rigid.investigation.undetermined;
+    let mut original = None;
+    let mut elastic: Option<Examination> = None;
+    for turn in 1.. {
+        let joints = confirmed_joints(&gears);
+        if joints.is_empty() {
             break;
         }
-        freed = refitted(question, &original, (&fit, &inertial), &mut gears.found, of_all)?;
-        if freed.is_none() {
+        let original = match &original {
+            Some(original) => original,
+            None => original.insert(judged(repaired, of_all)?),
+        };
+        let latest = elastic.as_ref().map_or(&rigid.investigation, |e| &e.investigation);
+        let bearing = Bearing::new(latest);
+        if contradict(repaired, original, (&bearing, of_all), &mut gears.found)? {
+            continue;
+        }
+        progress("examining without the torque of gears");
+        let before = left(repaired, original);
+        let mut next = examine(question, registry, Some(&Elastic { gears, before, bearing }), progress)?;
+        earn(&Question { recordings: &next.recordings, ..*question }, &mut next.investigation)?;
+        let Investigation { shaking, gears_visible, .. } = &next.investigation;
+        let bearing = Bearing::new(&next.investigation);
+        let recordings = without_claims(repaired, &next.investigation)?;
+        let beside = Question { recordings: &recordings, ..*question };
+        let mut anew = gears_anew(&beside, &bearing.fit(question), &bearing.inertial, shaking)?;
+        let moves = |(old, new): (&Shaking, &Shaking)| {
+            let [[from, _], [to, std]] = [old, new].map(|gear| gear.stiffness_nm_rad);
+            new.confirmed && (to - from).abs() > SETTLED * std
+        };
+        let is_last = turn >= TURNS || !shaking.iter().zip(&anew).any(moves);
+        if is_last {
+            anew.iter_mut().for_each(Shaking::require_size);
+        }
+        gears = Gears { found: anew, visible: gears_visible.clone() };
+        let stays = confirmed_joints(&gears) == joints;
+        elastic = Some(next);
+        if is_last && stays {
             break;
         }
     }
-    Ok(match freed {
-        Some((recordings, judged)) => {
-            let before = Some(left(question, &original));
-            WithoutGears { judged, gears, recordings: Some(recordings), before }
-        }
-        None => WithoutGears { judged: original, gears, recordings: None, before: None },
-    })
+    let mut examination = elastic.filter(|_| !confirmed_joints(&gears).is_empty()).unwrap_or(rigid);
+    let Investigation { shaking, gears_visible, .. } = &mut examination.investigation;
+    (*shaking, *gears_visible) = (gears.found, gears.visible);
+    Ok(examination)
 }
 
 /// Joints whose gears are confirmed.
-pub(super) fn confirmed_joints(gears: &Gears) -> Vec<usize> {
+fn confirmed_joints(gears: &Gears) -> Vec<usize> {
     gears.found.iter().filter(|g| g.confirmed).map(|g| g.joint).collect()
 }
 
-/// The gears that show in what the model and all claims leave.
-pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Result<Gears, DiagnosisError> {
-    let fitted = Fitted::new(found, found.switches());
-    let own = fitted.own(&found.baseline.coefficients, &found.base_switches);
-    let recordings = without_claims(question, found, &fitted)?;
-    let question = &Question { recordings: &recordings, ..*question };
-    let fit = Fit { model: question.model, load: &found.baseline.load, coefficients: &own };
-    let columns = question.model.base().columns.iter().copied();
-    let inertial: Vec<(usize, f64)> = columns.zip(own.iter().copied()).collect();
-    find_gears(question, &fit, &inertial, &(0..question.model.joints()).collect::<Vec<_>>())
+/// The model in question, fitted to all recordings or to those of the calibration.
+fn judged(question: &Question<'_>, of_all: bool) -> Result<Judged, DiagnosisError> {
+    let baseline = if of_all { Baseline::of_all(question)? } else { Baseline::new(question)? };
+    Judged::new(question, baseline)
+}
+
+impl Bearing {
+    fn new(found: &Investigation) -> Self {
+        let fitted = Fitted::new(found, found.switches());
+        let coefficients = fitted.own(&found.baseline.coefficients, &found.base_switches);
+        let columns = found.model.base().columns.iter().copied();
+        let inertial = columns.zip(coefficients.iter().copied()).collect();
+        Self { load: found.baseline.load.clone(), coefficients, inertial }
+    }
+
+    fn fit<'a>(&'a self, question: &Question<'a>) -> Fit<'a> {
+        Fit { model: question.model, load: &self.load, coefficients: &self.coefficients }
+    }
+}
+
+impl Elastic {
+    /// Recordings without the torque of the confirmed gears.
+    pub(super) fn undone(&self, question: &Question<'_>) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
+        undone(question, &self.bearing.fit(question), &self.bearing.inertial, &self.gears.found)
+    }
 }
 
 /// The recordings without the torque of what was found, unfiltered; that of gears that give way stays, since the link that is simulated
@@ -113,8 +157,8 @@ pub(super) fn gears_beside(question: &Question<'_>, found: &Investigation) -> Re
 fn without_claims(
     question: &Question<'_>,
     found: &Investigation,
-    fitted: &Fitted,
 ) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
+    let fitted = Fitted::new(found, found.switches());
     let (model, load) = (&found.model, extended_load(&found.baseline, question.model, &found.model));
     let chosen = found.selection.chosen.iter().map(|c| &found.groups[c.group]);
     let others = chosen.filter(|g| g.effect != &joint_elasticity::EFFECT);
@@ -151,49 +195,42 @@ fn without_claims(
     Ok(recordings)
 }
 
-/// The recordings without the torque of the confirmed gears, and the model fitted to them; none where no gear stays confirmed.
+/// Withdraws gears that the model in question contradicts, fitted to the recordings without their torque; whether there are any.
 ///
 /// The torque c that the gears take from the measurement, freed of what the model absorbs, is r₀ − r₁: the residual of the model
 /// fitted with their torque in it (`original`), less that of the model fitted without. If a gear is there, r₀ follows c with an
 /// amplitude of one. An amplitude below what physics allows by [`AWAY_STD`] deviations shows that another effect was fitted, and so
-/// do held-out rows that the model predicts worse: the gear is not confirmed.
-fn refitted(
+/// do held-out rows that the model predicts worse.
+fn contradict(
     question: &Question<'_>,
     original: &Judged,
-    (fit, inertial): (&Fit<'_>, &[(usize, f64)]),
+    (bearing, of_all): (&Bearing, bool),
     gears: &mut [Shaking],
-    of_all: bool,
-) -> Result<Option<(Vec<QuestionedRecording>, Judged)>, DiagnosisError> {
-    while gears.iter().any(|g| g.confirmed) {
-        let freed = undone(question, fit, inertial, gears)?;
-        let corrected = Question { recordings: &freed, ..*question };
-        let baseline = if of_all { Baseline::of_all(&corrected)? } else { Baseline::new(&corrected)? };
-        let after = Judged::new(&corrected, baseline)?;
-        let held_out = [original, &after].map(|judged| left(question, judged).held_out_rms);
-        let mut contradicted = false;
-        for gear in gears.iter_mut().filter(|g| g.confirmed) {
-            let [without, with] = held_out.each_ref().map(|rms| rms[gear.joint]);
-            if without > 0.0 && with > (1.0 + WORSE) * without {
-                let joint = question.names().joint(gear.joint);
-                gear.confirmed = false;
-                gear.fails.push(format!("held-out data are predicted better without it on {joint}"));
-                contradicted = true;
-                continue;
-            }
-            let [amplitude, std] = amplitude(question, [original, &after], gear);
-            if amplitude + AWAY_STD * std < AMPLITUDE[0] {
-                gear.confirmed = false;
-                gear.fails.push(format!(
-                    "on the rows of the model its torque is {amplitude:.2} ± {std:.2} times the value that the link's inertia implies"
-                ));
-                contradicted = true;
-            }
+) -> Result<bool, DiagnosisError> {
+    let freed = undone(question, &bearing.fit(question), &bearing.inertial, gears)?;
+    let corrected = Question { recordings: &freed, ..*question };
+    let after = judged(&corrected, of_all)?;
+    let held_out = [original, &after].map(|judged| left(question, judged).held_out_rms);
+    let mut contradicted = false;
+    for gear in gears.iter_mut().filter(|g| g.confirmed) {
+        let [without, with] = held_out.each_ref().map(|rms| rms[gear.joint]);
+        if without > 0.0 && with > (1.0 + WORSE) * without {
+            let joint = question.names().joint(gear.joint);
+            gear.confirmed = false;
+            gear.fails.push(format!("held-out data are predicted better without it on {joint}"));
+            contradicted = true;
+            continue;
         }
-        if !contradicted {
-            return Ok(Some((freed, after)));
+        let [amplitude, std] = amplitude(question, [original, &after], gear);
+        if amplitude + AWAY_STD * std < AMPLITUDE[0] {
+            gear.confirmed = false;
+            gear.fails.push(format!(
+                "on the rows of the model its torque is {amplitude:.2} ± {std:.2} times the value that the link's inertia implies"
+            ));
+            contradicted = true;
         }
     }
-    Ok(None)
+    Ok(contradicted)
 }
 
 /// Standard deviations by which a gear's amplitude has to be below the least possible one: one in forty of gears that are there.

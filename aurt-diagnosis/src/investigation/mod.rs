@@ -17,7 +17,7 @@ mod settled;
 mod shifted;
 
 pub use earned::Indicated;
-pub(crate) use earned::{concerned, earn};
+pub(crate) use earned::{BETWEEN_RECORDINGS, concerned, earn};
 pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub(crate) use gears::WORSE;
@@ -50,10 +50,10 @@ use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
-use crate::search::selection::{Chosen, Selection};
+use crate::search::selection::Selection;
 use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
-use gears::{confirmed_joints, gears_beside, without_gears};
+use gears::{Elastic, beside_gears};
 use selecting::{Parts, Selected};
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
@@ -85,8 +85,6 @@ pub struct Investigation {
     pub noise_notes: Vec<String>,
     /// Noise floor over the fitted rows, joint by joint.
     pub floor: Vec<f64>,
-    /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
-    pub misfit: Vec<f64>,
     /// Whether the calibration recordings leave open what the targets' motion needs, so that both were fitted together.
     pub undetermined: bool,
     /// Faults of the recordings.
@@ -121,14 +119,6 @@ pub struct Investigation {
 }
 
 impl Investigation {
-    /// True for an effect of all recordings that does not lower the error of those of the calibration: it stays in the model, lest a
-    /// change takes its place, and is not claimed.
-    pub(crate) fn is_withheld(&self, chosen: &Chosen) -> bool {
-        let group = &self.groups[chosen.group];
-        let has_both = self.problem.has_reference() && self.problem.has_target() && !self.undetermined;
-        has_both && group.is_named() && !group.target_only() && !chosen.in_reference
-    }
-
     /// Coefficients of the final model: the baseline's and those of what was selected.
     pub(crate) fn switches(&self) -> Vec<Switch> {
         self.switches_of(self.selection.chosen.iter().map(|c| &self.groups[c.group]))
@@ -175,21 +165,13 @@ pub fn investigate(
     let Punctual { mut examination, recordings: punctual, without } =
         punctual(question, registry, &mut progress)?;
     let question = &Question { recordings: &punctual, without: &without, ..*question };
-    progress("testing the findings");
-    let rigid = &Question { recordings: &examination.recordings, ..*question };
-    earn(rigid, &mut examination.investigation)?;
-    progress("simulating links on their gears");
-    let gears = gears_beside(rigid, &examination.investigation)?;
-    let confirmed = confirmed_joints(&gears);
-    let before = &mut examination.investigation;
-    (before.shaking, before.gears_visible) = (gears.found, gears.visible);
-    if !confirmed.is_empty() {
-        let late = before.late.take();
-        examination = examine(question, registry, &confirmed, &mut progress)?;
-        examination.investigation.late = late;
+    if examination.investigation.shaking.is_empty() {
         progress("testing the findings");
-        let elastic = &Question { recordings: &examination.recordings, ..*question };
-        earn(elastic, &mut examination.investigation)?;
+        let rigid = &Question { recordings: &examination.recordings, ..*question };
+        earn(rigid, &mut examination.investigation)?;
+        let late = examination.investigation.late.take();
+        examination = beside_gears(question, registry, examination, &mut progress)?;
+        examination.investigation.late = late;
     }
     let Examination { mut investigation, recordings } = examination;
     let question = &Question { recordings: &recordings, ..*question };
@@ -219,7 +201,7 @@ fn punctual(
     registry: &Registry,
     progress: &mut impl FnMut(&str),
 ) -> Result<Punctual, DiagnosisError> {
-    let first = examine(question, registry, &[], progress)?;
+    let first = examine(question, registry, None, progress)?;
     let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
     if found.is_none() && !first.investigation.is_late() {
@@ -241,7 +223,7 @@ fn punctual(
         None => question.recordings.to_vec(),
     };
     let again = Question { recordings: &recordings, without: &without, ..*question };
-    let mut examination = examine(&again, registry, &[], progress)?;
+    let mut examination = examine(&again, registry, None, progress)?;
     examination.investigation.late = found.map(|delay| Late { delay, before: Box::new(first.investigation) });
     Ok(Punctual { examination, recordings, without })
 }
@@ -253,18 +235,14 @@ fn elastic_instead(
     registry: &Registry,
     progress: &mut impl FnMut(&str),
 ) -> Result<Option<Examination>, DiagnosisError> {
-    progress("simulating links instead of a delay");
-    let mut rigid = examine(question, registry, &[], progress)?;
-    let examined = &Question { recordings: &rigid.recordings, ..*question };
-    earn(examined, &mut rigid.investigation)?;
-    let gears = gears_beside(examined, &rigid.investigation)?;
-    let confirmed = confirmed_joints(&gears);
-    if confirmed.is_empty() {
+    let mut rigid = examine(question, registry, None, progress)?;
+    earn(&Question { recordings: &rigid.recordings, ..*question }, &mut rigid.investigation)?;
+    let elastic = beside_gears(question, registry, rigid, progress)?;
+    if elastic.investigation.shaking.iter().all(|g| !g.confirmed) {
         return Ok(None);
     }
-    let elastic = examine(question, registry, &confirmed, progress)?;
     let freed = &Question { recordings: &elastic.recordings, ..*question };
-    Ok(Delay::found(freed, &elastic.investigation)?.is_none().then_some(rigid))
+    Ok(Delay::found(freed, &elastic.investigation)?.is_none().then_some(elastic))
 }
 
 /// The travel of each joint below which positions are not told apart in the coarsest recording: the step of the encoder,
@@ -286,11 +264,11 @@ fn apart(body: &dyn RigidBodyRegressor) -> Vec<[usize; 2]> {
     pairs.filter(|[j, k]| !together(*j, *k)).collect()
 }
 
-/// Investigates recordings as they are up to selection, beside the gears of some joints.
+/// Investigates recordings as they are up to selection, without the torque of gears.
 fn examine(
     question: &Question<'_>,
     registry: &Registry,
-    elastic: &[usize],
+    elastic: Option<&Elastic>,
     progress: &mut impl FnMut(&str),
 ) -> Result<Examination, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
@@ -312,6 +290,9 @@ fn examine(
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
     let JudgedFaults { faults, matter: faults_matter } = JudgedFaults::new(as_recorded, question)?;
+    let freed = elastic.map(|elastic| elastic.undone(question)).transpose()?;
+    let recordings = freed.unwrap_or_else(|| recordings.clone());
+    let question = &Question { recordings: &recordings, ..*question };
     progress("fitting the reference model");
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that
@@ -320,15 +301,10 @@ fn examine(
     if undetermined {
         judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
-    if !elastic.is_empty() {
-        progress("fitting the reference model beside gears");
-    }
-    let gears = without_gears(question, judged, undetermined, elastic)?;
-    let freed =
-        Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
-    let question = &freed;
-    let (shaking, gears_visible, before_gears) = (gears.gears.found, gears.gears.visible, gears.before);
-    let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = gears.judged;
+    let shaking = elastic.map_or_else(Vec::new, |e| e.gears.found.clone());
+    let gears_visible = elastic.map_or_else(Vec::new, |e| e.gears.visible.clone());
+    let before_gears = elastic.map(|e| e.before.clone());
+    let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = judged;
     if let Some(k) = baseline.coefficients.iter().position(|c| !c.is_finite()) {
         let figure = format!("coefficient {k} of the model in question");
         return Err(DiagnosisError::NotFinite { figure });
@@ -429,7 +405,6 @@ fn examine(
         selection,
         fitted: Fitted { switches, fit: TotalFit { coefficients, .. }, .. },
         mean_independent_share,
-        misfit,
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors, question.names()));
     floor = mean_floor(&rows, &partition, &floors);
@@ -448,7 +423,6 @@ fn examine(
         noise,
         noise_notes,
         floor,
-        misfit,
         faults,
         faults_matter,
         undetermined,
@@ -466,7 +440,7 @@ fn examine(
         mean_independent_share,
     };
     investigation.confirm_chosen(question);
-    Ok(Examination { investigation, recordings: gears.recordings.unwrap_or(recordings) })
+    Ok(Examination { investigation, recordings })
 }
 
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.

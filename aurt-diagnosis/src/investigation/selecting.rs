@@ -40,7 +40,6 @@ pub(super) struct Selected {
     pub(super) selection: Selection,
     pub(super) fitted: Fitted,
     pub(super) mean_independent_share: f64,
-    pub(super) misfit: Vec<f64>,
 }
 
 impl Parts<'_> {
@@ -50,7 +49,6 @@ impl Parts<'_> {
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
         let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
-        let misfit = misfit(&problem, self.base, &weights, self.floor);
         let mut ground = Recorded {
             problem,
             rows,
@@ -92,24 +90,8 @@ impl Parts<'_> {
             groups.retain(|_| k.next().is_some_and(|k| !refused.contains(&k)));
         };
         let Recorded { problem, .. } = ground;
-        Selected { problem, groups, free, selection, fitted, mean_independent_share, misfit }
+        Selected { problem, groups, free, selection, fitted, mean_independent_share }
     }
-}
-
-/// Log of the ratio by which the baseline's cross-validated error on the calibration recordings exceeds the noise
-/// floor; zero where there are none.
-fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) -> Vec<f64> {
-    let errors = problem.held_out(&problem.nest(base, weights), &[]);
-    (0..problem.joints())
-        .map(|j| {
-            let rows = problem.rows(j, false) - problem.rows(j, true);
-            if rows < 1.0 {
-                0.0
-            } else {
-                (errors[0][j] / rows / floor[j].max(f64::MIN_POSITIVE)).ln().max(0.0)
-            }
-        })
-        .collect()
 }
 
 /// Mean noise floor over the fitted rows.

@@ -123,7 +123,7 @@ impl RecordingNoise {
 
 /// The stamps that preprocessing goes by: the recording's own, or those of the uniform grid that it took them for; what
 /// they are off the grid then is position noise.
-fn stamps_in_use(recording: &Recording, data: &Preprocessed) -> Vec<f64> {
+pub(crate) fn stamps_in_use(recording: &Recording, data: &Preprocessed) -> Vec<f64> {
     let rate_hz = data.report.rate_hz;
     let Some(first_s) = recording.time_s.first().filter(|_| !data.report.resampled) else {
         return recording.time_s.clone();

@@ -34,10 +34,6 @@ pub struct SelectionOptions {
     /// Another effect that reaches this share of the best score has its shapes estimated, too, before one is taken:
     /// shapes between two starts cost a law less than half of its score.
     pub contender: f64,
-    /// A change that is not friction must, beyond that, lower a joint's log-MSE by this share of the log of the
-    /// ratio by which the calibration recordings themselves, with what was found in all recordings, exceed the noise
-    /// floor: where the structure is wrong, whatever differs between two motions looks like a change.
-    pub change_share: f64,
     /// A change of a joint's friction that reaches this share of the score of another change on the same joint is
     /// taken instead of it, where blocks of time leave open which is better.
     pub everyday: f64,
@@ -110,7 +106,6 @@ impl Default for SelectionOptions {
             tie: 0.03,
             tie_nats: 2.0,
             contender: 0.5,
-            change_share: 0.15,
             everyday: 0.8,
             null_shifts: 36,
             level: 0.05,
@@ -134,7 +129,7 @@ mod tests {
     #[test]
     fn settings_are_set_by_name_within_their_ranges() {
         let options = SelectionOptions::default();
-        assert_eq!(options.named().len(), 15);
+        assert_eq!(options.named().len(), 14);
         assert_eq!(options.with("level", 0.01).unwrap(), SelectionOptions { level: 0.01, ..options });
         assert_eq!(options.with("rounds", 2.0).unwrap(), SelectionOptions { rounds: 2, ..options });
         assert_eq!(

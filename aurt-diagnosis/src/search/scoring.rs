@@ -14,17 +14,8 @@ pub(crate) struct Weighed {
     nested: NestedFit,
     /// Share of independent rows of each joint.
     pub(crate) shares: Vec<f64>,
-    /// What it leaves.
-    pub(crate) errors: Errors,
-}
-
-/// Held-out mean squared errors, joint by joint.
-#[derive(Debug, Clone)]
-pub(crate) struct Errors {
-    /// Over all rows.
-    pub(crate) all: Vec<f64>,
-    /// Log of the ratio by which the error on the calibration recordings exceeds the floor; zero where there are none.
-    pub(crate) misfit: Vec<f64>,
+    /// Held-out mean squared errors that it leaves, joint by joint.
+    pub(crate) errors: Vec<f64>,
 }
 
 /// A group is judged on rows that it is not fitted to if on those that it is fitted to it brings this share of the least
@@ -96,16 +87,20 @@ impl Scoring<'_> {
     }
 
     fn nested(&self, switches: &[Switch], weights: &[f64], shares: Vec<f64>) -> Weighed {
-        let nested = self.ground.problem().nest(switches, weights);
-        let errors = self.errors(&nested);
+        let problem = self.ground.problem();
+        let nested = problem.nest(switches, weights);
+        let errors = self.mean(&problem.held_out_in_all(&nested, &[]));
         Weighed { nested, shares, errors }
     }
 
     /// What a fit leaves once it is extended by a group.
     pub(crate) fn with(&self, fit: &Weighed, group: &[Switch]) -> Vec<f64> {
-        let problem = self.ground.problem();
-        let errors = problem.held_out_in_all(&fit.nested, group);
-        errors.iter().enumerate().map(|(j, error)| error / problem.rows(j, false).max(1.0)).collect()
+        self.mean(&self.ground.problem().held_out_in_all(&fit.nested, group))
+    }
+
+    fn mean(&self, sums: &[f64]) -> Vec<f64> {
+        let rows = |j: usize| self.ground.problem().rows(j, false).max(1.0);
+        sums.iter().enumerate().map(|(j, sum)| sum / rows(j)).collect()
     }
 
     /// Whether a group fits the rows that it is fitted to better. Most do not by anything that counts, and to see that
@@ -119,19 +114,6 @@ impl Scoring<'_> {
             0.5 * effective * ratio.ln().max(0.0)
         };
         (0..after.len()).map(of_joint).sum::<f64>() > IN_SAMPLE * self.options.score
-    }
-
-    fn errors(&self, fit: &NestedFit) -> Errors {
-        let problem = self.ground.problem();
-        let [calibration, target] = problem.held_out(fit, &[]);
-        let rows = |j: usize| problem.rows(j, false).max(1.0);
-        let all = (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect();
-        let misfit = (0..problem.joints()).map(|j| {
-            let rows = problem.rows(j, false) - problem.rows(j, true);
-            let floor = self.floor[j].max(f64::MIN_POSITIVE);
-            if rows < 1.0 { 0.0 } else { (calibration[j] / rows / floor).ln().max(0.0) }
-        });
-        Errors { all, misfit: misfit.collect() }
     }
 
     /// Σ_j ½ n_eff log(before / after), both not below the floor.
@@ -154,7 +136,7 @@ impl Scoring<'_> {
     /// Whether a group shows what it is named for: what sets it apart from simpler effects brings something by itself,
     /// and what ties two joints shows on both.
     fn is_itself(&self, group: usize, fit: &Weighed, after: &[f64], score: f64) -> bool {
-        let (own, before) = (&self.groups[group], &fit.errors.all);
+        let (own, before) = (&self.groups[group], &fit.errors);
         let hidden = |j: &usize| self.score_on(*j, fit, before, after) < self.options.score;
         if own.is_tie() && own.joints.iter().any(hidden) {
             return false;
@@ -174,7 +156,7 @@ impl Scoring<'_> {
             .filter(|g| eligible(*g) && self.may_count(fit, &in_sample, &self.groups[*g].switches))
             .filter_map(|g| {
                 let after = self.with(fit, &self.groups[g].switches);
-                let score = self.score(fit, &fit.errors.all, &after);
+                let score = self.score(fit, &fit.errors, &after);
                 let counts = score.is_finite() && score > self.options.score;
                 (counts && self.is_itself(g, fit, &after, score)).then_some((g, score))
             })
@@ -251,35 +233,28 @@ impl Scoring<'_> {
         Some(choice)
     }
 
-    /// True for a group that lowers the error of some joint by as much as its kind must.
+    /// True for a group that lowers the error of some joint by as much as it must.
     pub(crate) fn enough(&self, group: usize, fit: &Weighed) -> bool {
-        self.lowers_enough(group, &fit.errors.all, fit)
+        self.lowers_enough(group, &fit.errors, fit)
     }
 
-    /// True for a group that lowers what a simpler one leaves by as much as its kind must.
+    /// True for a group that lowers what a simpler one leaves by as much as it must.
     fn adds_enough(&self, group: usize, simpler: usize, fit: &Weighed) -> bool {
         self.lowers_enough(group, &self.with(fit, &self.groups[simpler].switches), fit)
     }
 
-    /// True for a group that leaves some joint an error below another by as much as its kind must bring.
+    /// True for a group that leaves some joint an error below another by as much as it must bring.
     fn lowers_enough(&self, group: usize, before: &[f64], fit: &Weighed) -> bool {
         let after = self.with(fit, &self.groups[group].switches);
         (0..after.len()).any(|j| {
-            let least = self.least(group, fit.errors.misfit[j], fit.shares[j]);
+            let least = self.least(fit.shares[j]);
             self.log_ratio(j, before[j], after[j]) > least
         })
     }
 
-    /// The log-MSE that a group must bring at a joint with a share of independent rows, where the model without changes leaves
-    /// a misfit of the calibration recordings.
-    fn least(&self, group: usize, misfit: f64, share: f64) -> f64 {
-        let least = self.options.least_log_error(share * self.ground.rows_per_s());
-        let group = &self.groups[group];
-        if group.target_only() && !group.effect.is_friction {
-            least + self.options.change_share * misfit
-        } else {
-            least
-        }
+    /// The log-MSE that a group must bring at a joint with a share of independent rows.
+    fn least(&self, share: f64) -> f64 {
+        self.options.least_log_error(share * self.ground.rows_per_s())
     }
 
     /// Whether a group is a further one of what a joint can have but once: a law of friction with other shape
@@ -304,7 +279,7 @@ impl Scoring<'_> {
     /// Score and log-MSE of each joint that are lost without the i-th of the chosen, whose model is `full`.
     pub(crate) fn loss(&self, chosen: &[usize], i: usize, full: &Weighed) -> Loss {
         let without = self.fit_within(&without(chosen, i), full);
-        let (before, after) = (&without.errors.all, &full.errors.all);
+        let (before, after) = (&without.errors, &full.errors);
         let of_joint = (0..after.len()).map(|j| self.log_ratio(j, before[j], after[j])).collect();
         Loss { score: self.score(&without, before, after), of_joint, without }
     }
@@ -329,9 +304,9 @@ impl Scoring<'_> {
         let share = if twin { self.options.share_same_kind } else { self.options.share };
         loss.score > self.threshold(chosen[i])
             && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
-                let gain = self.log_ratio(j, start[j], full.errors.all[j]);
-                let least = self.least(chosen[i], full.errors.misfit[j], full.shares[j]);
-                let without = loss.without.errors.all[j];
+                let gain = self.log_ratio(j, start[j], full.errors[j]);
+                let least = self.least(full.shares[j]);
+                let without = loss.without.errors[j];
                 let left = if own.target_only() { gain } else { self.log_ratio(j, without, 0.0) };
                 *of_joint > share * gain.min(left) && *of_joint > least
             })

@@ -20,8 +20,8 @@ pub struct Chosen {
     pub p_confirm: Option<f64>,
     /// Log-MSE that each joint loses without it.
     pub joint_loss: Vec<f64>,
-    /// True if it lowers the error of the calibration recordings, too, by what it must; false before it passed every test.
-    pub in_reference: bool,
+    /// Why it is no claim, though it passed every test and stays in the model, lest something else takes its place, in words.
+    pub withheld: Option<String>,
     /// Other groups that could stand in its place, best first.
     pub rivals: Vec<Rival>,
 }
@@ -102,7 +102,7 @@ impl Selector<'_> {
 
     /// The same, begun with some groups in the model.
     pub(crate) fn run_from(&mut self, mut chosen: Vec<usize>, mut progress: impl FnMut(&str)) -> Selection {
-        let before = self.scoring().fit(&[]).errors.all;
+        let before = self.scoring().fit(&[]).errors;
         let mut barred: Vec<usize> = Vec::new();
         for _ in 0..self.options.rounds {
             let start = chosen.clone();
@@ -226,8 +226,8 @@ impl Scoring<'_> {
                 let best = self.frugal(&fit, &self.rank(&fit, alone));
                 parts.extend(best);
             }
-            let apart = self.fit(&parts).errors.all;
-            let before = &fit.errors.all;
+            let apart = self.fit(&parts).errors;
+            let before = &fit.errors;
             let (tied, apart) = (self.score(&fit, before, &tied), self.score(&fit, before, &apart));
             if parts.len() > chosen.len() - 1 && apart >= self.near(tied) {
                 *chosen = parts;
@@ -251,7 +251,7 @@ impl Scoring<'_> {
             let rest = without(&without(chosen, k), i);
             let fit = self.fit(&rest);
             let apart: Vec<Switch> = one.switches.iter().chain(&other.switches).copied().collect();
-            let before = &fit.errors.all;
+            let before = &fit.errors;
             let score = |switches: &[Switch]| self.score(&fit, before, &self.with(&fit, switches));
             let alone = score(&one.switches).max(score(&other.switches));
             let least = self.near(score(&apart)).max(alone + self.options.score);
@@ -277,7 +277,7 @@ impl Scoring<'_> {
             let structure: Vec<usize> =
                 chosen.iter().copied().filter(|g| !self.groups[*g].target_only()).collect();
             let left = if structure.len() < chosen.len() && !structure.is_empty() {
-                self.fit(&structure).errors.all
+                self.fit(&structure).errors
             } else {
                 before.to_vec()
             };
@@ -322,13 +322,13 @@ impl Scoring<'_> {
                     p_null: self.p_null(chosen[i], score),
                     p_confirm: None,
                     joint_loss: of_joint,
-                    in_reference: false,
+                    withheld: None,
                     rivals,
                 }
             })
             .collect();
         found.sort_by(|a, b| b.score.total_cmp(&a.score));
-        Selection { chosen: found, before, after: full.errors.all }
+        Selection { chosen: found, before, after: full.errors }
     }
 
     /// Groups of other effects that do as well as the i-th of the chosen, or of which the data leave open whether they do. One
@@ -367,7 +367,7 @@ mod tests {
             p_null,
             p_confirm,
             joint_loss: Vec::new(),
-            in_reference: false,
+            withheld: None,
             rivals: Vec::new(),
         };
         assert_eq!(chosen(Some(1e-9), Some(0.7)).by_chance(), Some(0.7));

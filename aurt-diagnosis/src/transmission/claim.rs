@@ -6,9 +6,10 @@
 
 use std::ops::Range;
 
-use aurt_calibration::{in_standard_errors, two_sided};
+use aurt_calibration::two_sided;
 
-use super::against::{Against, Moments, OwnFreed};
+use super::against::{Against, Moments};
+use super::pieces::KindRows;
 use super::rows::PARTS;
 use super::shape::{Inertia, Shape};
 use crate::error::DiagnosisError;
@@ -60,6 +61,7 @@ pub(super) struct Found {
     pub joint: usize,
     pub shape: Shape,
     pub inertia: Inertia,
+    /// Measured torque over the predicted one, the positions' noise discounted.
     pub amplitude: f64,
     pub amplitude_std: f64,
     /// Standard deviations of the shape's freedoms.
@@ -67,8 +69,7 @@ pub(super) struct Found {
     /// Gain in log-likelihood on held-out rows: over all, over reference and target recordings.
     pub gain: f64,
     pub gains: [f64; 2],
-    /// The probability that chance makes such gains of the parts of blocks in one of all trials: Student's t of the logarithms
-    /// of the powers' ratios, which few parts with impacts do not decide.
+    /// The probability that chance makes its torque go with the residual as it does in one of all trials.
     pub p: f64,
     /// Share of the power of the joint's own rows that it explains.
     pub share: f64,
@@ -95,6 +96,7 @@ pub(super) struct JointRows<'a> {
     target: Vec<bool>,
     inertia: Inertia,
     top_hz: f64,
+    of_kind: &'a KindRows<'a>,
 }
 
 /// Starts, and how their torques go with the residual, segment by segment.
@@ -108,11 +110,11 @@ type Block = (usize, usize);
 
 impl<'a> JointRows<'a> {
     /// `None` where a joint's rows say nothing in any segment.
-    pub fn new(freed: &'a [OwnFreed], joint: usize) -> Result<Option<Self>, DiagnosisError> {
+    pub fn new(of_kind: &'a KindRows<'a>, joint: usize) -> Result<Option<Self>, DiagnosisError> {
         let (mut own, mut all, mut target) = (Vec::new(), Vec::new(), Vec::new());
         let mut inertia = Inertia { mean_kg_m2: 0.0, least_kg_m2: f64::INFINITY };
         let mut top_hz = f64::INFINITY;
-        for segment in freed {
+        for segment in of_kind.freed() {
             if let (Some(o), Some(a)) =
                 (Against::new(segment, joint, false)?, Against::new(segment, joint, true)?)
             {
@@ -129,7 +131,7 @@ impl<'a> JointRows<'a> {
             return Ok(None);
         }
         inertia.mean_kg_m2 /= own.len() as f64;
-        Ok(Some(Self { joint, own, all, target, inertia, top_hz }))
+        Ok(Some(Self { joint, own, all, target, inertia, top_hz, of_kind }))
     }
 
     /// Starts for elastic gears and for gears with play.
@@ -179,12 +181,17 @@ impl<'a> JointRows<'a> {
     }
 
     /// Looks for a gear among starts; `None` if nothing is worth a test.
-    pub fn search(&self, scan: &Scan<'_>, among: Among, level: Level) -> Option<Found> {
+    pub fn search(
+        &self,
+        scan: &Scan<'_>,
+        among: Among,
+        level: Level,
+    ) -> Result<Option<Found>, DiagnosisError> {
         let Scan { starts, moments: scanned } = scan;
         let blocks = self.blocks(among);
         let halves = halves(&blocks);
         if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
-            return None;
+            return Ok(None);
         }
         let own_gain = |start: &usize, half: &[Block]| fitted_gain(sums(&scanned[*start], half));
         // The start of each kind that gains most on a half, the best kind first.
@@ -201,19 +208,21 @@ impl<'a> JointRows<'a> {
         };
         let best = halves.each_ref().map(|half| best(half));
         // A resonance of little damping lies between two starts. Neither predicts the other half before it is refined.
-        if own_gain(best[0].first()?, &halves[0]) + own_gain(best[1].first()?, &halves[1]) < WORTH_REFINING {
-            return None;
+        let gains =
+            best.iter().zip(&halves).map(|(best, half)| best.first().map(|start| own_gain(start, half)));
+        if gains.sum::<Option<f64>>().is_none_or(|gain| gain < WORTH_REFINING) {
+            return Ok(None);
         }
         let starts = best.map(|best| best.into_iter().map(|start| starts[start]).collect());
         self.tested(&halves, (starts, HALVINGS), &blocks, level)
     }
 
     /// A gear of this joint tested from a known shape; `None` where too few blocks judge.
-    pub fn anew(&self, shape: Shape, among: Among, level: Level) -> Option<Found> {
+    pub fn anew(&self, shape: Shape, among: Among, level: Level) -> Result<Option<Found>, DiagnosisError> {
         let blocks = self.blocks(among);
         let halves = halves(&blocks);
         if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
-            return None;
+            return Ok(None);
         }
         let starts = [0, 1].map(|_| vec![shape]);
         self.tested(&halves, (starts, halvings_of_known(shape)), &blocks, level)
@@ -226,22 +235,20 @@ impl<'a> JointRows<'a> {
         (starts, halvings): ([Vec<Shape>; 2], Range<i32>),
         blocks: &[Block],
         level: Level,
-    ) -> Option<Found> {
+    ) -> Result<Option<Found>, DiagnosisError> {
         let mut gains = [0.0; 2];
-        let mut log_gains = Vec::new();
+        let mut judged = Vec::new();
         let mut shapes = Vec::new();
         let mut amplitudes = Vec::new();
         for (k, starts) in starts.into_iter().enumerate() {
             let (fit, judge) = (&halves[k], &halves[1 - k]);
             let refined = starts.into_iter().map(|start| self.refined(start, fit, halvings.clone()));
-            let (shape, _) = refined.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+            let Some((shape, _)) = refined.max_by(|(_, a), (_, b)| a.total_cmp(b)) else { return Ok(None) };
             let moments = self.moments(&self.all, shape);
             let amplitude = amplitude(sums(&moments, fit));
             for (s, b) in judge {
-                let gain = gain(moments[*s][*b], amplitude);
-                gains[usize::from(self.target[*s])] += gain;
-                let power = self.all[*s].power()[*b];
-                log_gains.push((power / (power - 2.0 * gain)).ln());
+                gains[usize::from(self.target[*s])] += gain(moments[*s][*b], amplitude);
+                judged.push(moments[*s][*b]);
             }
             shapes.push(shape);
             amplitudes.push(amplitude);
@@ -249,7 +256,7 @@ impl<'a> JointRows<'a> {
         let total = gains[0] + gains[1];
         // A gear that its load topples in the rows that judge it is none.
         if !total.is_finite() {
-            return None;
+            return Ok(None);
         }
         let better = usize::from(
             fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
@@ -261,22 +268,49 @@ impl<'a> JointRows<'a> {
             let power: Vec<&[f64]> = self.own.iter().map(Against::power).collect();
             blocks.iter().map(|(s, b)| power[*s][*b]).sum()
         };
+        let p = level.by_chance(&judged);
         let [cc, cr] = sums(&self.moments(&self.all, shape), blocks);
+        let mut size = [amplitude([cc, cr]), 1.0 / cc.sqrt()];
+        if total >= LEAST_GAIN && p <= level.level {
+            let noisier = self.of_kind.noisier(self.joint)?;
+            let freed =
+                |shape: Shape, blocks: &[Block]| self.amplitude_without_noise(&noisier, shape, blocks);
+            size = freed(shape, blocks);
+            amplitudes = shapes.iter().zip(halves).map(|(shape, half)| freed(*shape, half)[0]).collect();
+        }
         let mut found = Found {
             joint: self.joint,
             shape,
             inertia: self.inertia,
-            amplitude: amplitude([cc, cr]),
-            amplitude_std: 1.0 / cc.sqrt(),
+            amplitude: size[0],
+            amplitude_std: size[1],
             shape_std: self.shape_std(shape, &shapes, blocks),
             gain: total,
             gains,
-            p: level.by_chance(&log_gains),
+            p,
             share: 2.0 * total / own_power.max(f64::MIN_POSITIVE),
             fails: Vec::new(),
         };
         found.test(&shapes, &amplitudes, self.top_hz, level.level);
-        Some(found)
+        Ok(Some(found))
+    }
+
+    /// The amplitude of a gear's torque and its standard deviation, if positions had no noise.
+    ///
+    /// What moves a simulated link are positions, and their noise makes its torque larger than what the drives feel: c·c is too large, and
+    /// the amplitude c·r/c·c too small. Both products grow in proportion to the noise's power. With the noise once more they are
+    /// ⟨c·c⟩₂ and ⟨c·r⟩₂, means of either sign of it, and without any 2 c·c − ⟨c·c⟩₂ and 2 c·r − ⟨c·r⟩₂ (J. R. Cook and L. A. Stefanski,
+    /// *J. American Statistical Association* 89, 1994). Nothing is known of the size of a torque that is all noise.
+    fn amplitude_without_noise(
+        &self,
+        noisier: &[Vec<Against<'_>>; 2],
+        shape: Shape,
+        blocks: &[Block],
+    ) -> [f64; 2] {
+        let once = sums(&self.moments(&self.all, shape), blocks);
+        let twice = noisier.each_ref().map(|of| sums(&self.moments(of, shape), blocks));
+        let [cc, cr] = [0, 1].map(|k| 2.0 * once[k] - 0.5 * (twice[0][k] + twice[1][k]));
+        if cc > 0.0 { [(cr / cc).max(0.0), once[0].sqrt() / cc] } else { [1.0, f64::INFINITY] }
     }
 
     /// A pattern search from a start, with steps that have been halved as often, and what the shape gains.
@@ -329,10 +363,16 @@ impl<'a> JointRows<'a> {
 }
 
 impl Level {
-    /// The probability that a mean as far above zero as that of some gains comes about in one of all trials.
-    fn by_chance(self, gains: &[f64]) -> f64 {
-        let t = in_standard_errors(gains);
-        let above = if t > 0.0 { 0.5 * two_sided(t, gains.len() as f64 - 1.0) } else { 1.0 };
+    /// The probability that a torque c goes with a residual r as it does, given c·c and c·r of held-out parts, in one of all trials by
+    /// chance. The amplitude a = Σ c·r / Σ c·c has the deviation √(Σ (c·r − a c·c)²) / Σ c·c, and as many degrees of freedom as
+    /// parts hold the torque's power, (Σ c·c)² / Σ (c·c)² − 1: parts in which little is expected neither speak nor keep silent.
+    fn by_chance(self, parts: &[[f64; 2]]) -> f64 {
+        let sum = |of: &dyn Fn(&[f64; 2]) -> f64| parts.iter().map(of).sum::<f64>();
+        let (square, along) = (sum(&|[cc, _]| *cc), sum(&|[_, cr]| *cr));
+        let amplitude = along / square;
+        let t = along / sum(&|[cc, cr]| (cr - amplitude * cc).powi(2)).sqrt();
+        let freedom = square.powi(2) / sum(&|[cc, _]| cc * cc) - 1.0;
+        let above = if t > 0.0 && freedom > 0.0 { 0.5 * two_sided(t, freedom) } else { 1.0 };
         (self.trials * above).min(1.0)
     }
 }
@@ -422,7 +462,23 @@ fn fitted_gain(moments: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::fitted_gain;
+    use super::{Level, fitted_gain};
+
+    /// Three parts that hold the torque's power are two degrees of freedom, however many there are beside them.
+    #[test]
+    fn parts_that_hold_the_power_decide() {
+        let level = Level { level: 0.05, trials: 1.0 };
+        let quiet = |k: i32| [1e-3, if k % 2 == 0 { 0.2 } else { -0.2 }];
+        let with = |loud: &[[f64; 2]]| {
+            level.by_chance(&(0..60).map(quiet).chain(loud.iter().copied()).collect::<Vec<_>>())
+        };
+        let [agree, alone] = [
+            with(&[[20.0, 19.0], [20.0, 22.0], [20.0, 18.0]]),
+            with(&[[20.0, 60.0], [20.0, 1.0], [20.0, 0.0]]),
+        ];
+        assert!(agree < 0.02 && alone > 0.1, "{agree} {alone}");
+        assert_eq!(level.by_chance(&[[1.0, -2.0]; 4]), 1.0);
+    }
 
     #[test]
     fn a_gear_that_its_load_topples_gains_nothing() {

@@ -11,6 +11,7 @@
 mod against;
 mod claim;
 mod link;
+mod pieces;
 mod rows;
 mod series;
 mod shape;
@@ -24,7 +25,6 @@ pub use series::FullRate;
 pub(crate) use undo::undone;
 
 use aurt_calibration::with_deviation;
-use aurt_recording::Segment;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -33,10 +33,10 @@ use crate::error::DiagnosisError;
 use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
 use crate::vocabulary::Effect;
-use against::OwnFreed;
 pub(crate) use claim::AMPLITUDE;
 use claim::{Among, Found, JointRows, LEAST_GAIN, Level, Visible};
-use rows::{Kind, Rows};
+use pieces::{KindRows, pieces};
+use rows::Kind;
 use shape::{Inertia, Shape};
 
 /// A gear that gives way or has play.
@@ -89,19 +89,6 @@ pub struct Gears {
     pub visible: Vec<VisibleGear>,
 }
 
-/// A segment at full rate, with the recording that it belongs to.
-struct Piece<'a> {
-    recording: usize,
-    target: bool,
-    segment: &'a Segment,
-    full: FullRate,
-    gradients: PoseColumns,
-    position_cutoff_hz: f64,
-}
-
-/// A stretch between gaps that is shorter than this has too few blocks of time, and filters may not fit into it, s.
-const SHORTEST_S: f64 = 2.0;
-
 /// Least samples per second. With fewer the rows end below [`PLAY_TOP_HZ`]: differences are derivatives up to a fifth of the rate.
 pub(crate) const LEAST_RATE_HZ: f64 = PLAY_TOP_HZ / rows::OF_RATE;
 
@@ -124,7 +111,7 @@ const PLAY_PRICE: f64 = 5.0;
 const VISIBLE_GAIN: f64 = 4.0 * LEAST_GAIN;
 
 /// Looks for gears that give way or have play in all recordings that are not for validation and have enough samples per
-/// second. Only what joints of `among` show is taken to be there: a link that rings shakes its neighbours, whose gears imitate it.
+/// second.
 ///
 /// # Errors
 /// What the model and the filters report.
@@ -132,7 +119,6 @@ pub fn find_gears(
     question: &Question<'_>,
     fit: &Fit<'_>,
     inertial: &[(usize, f64)],
-    among: &[usize],
 ) -> Result<Gears, DiagnosisError> {
     let effects = [&joint_elasticity::EFFECT, &backlash::EFFECT].map(|e| question.considers(e));
     if !effects.contains(&true) {
@@ -150,22 +136,13 @@ pub fn find_gears(
         trials: question.model.joints() as f64 * ways.iter().product::<f64>(),
     };
     loop {
-        let freed = |kind: Kind| {
-            pieces
-                .par_iter()
-                .map(|p| {
-                    let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz, kind)?;
-                    Ok(OwnFreed::new(rows, p.target))
-                })
-                .collect::<Result<Vec<_>, DiagnosisError>>()
-        };
-        let freed = [freed(Kind::Elastic)?, freed(Kind::Play)?];
+        let rows = [KindRows::new(&pieces, Kind::Elastic)?, KindRows::new(&pieces, Kind::Play)?];
         let open: Vec<usize> = (0..question.model.joints())
             .filter(|j| gears.found.iter().all(|g| !g.confirmed || g.joint != *j))
             .collect();
         let of_joints = open
             .par_iter()
-            .map(|joint| of_joint(&freed, *joint, effects, level))
+            .map(|joint| of_joint(&rows, *joint, effects, level))
             .collect::<Result<Vec<_>, DiagnosisError>>()?;
         gears.found.retain(|g| g.confirmed);
         let mut round: Vec<Shaking> = of_joints.iter().flat_map(|o| o.found.iter().cloned()).collect();
@@ -173,10 +150,9 @@ pub fn find_gears(
         if gears.found.is_empty() {
             gears.visible = visible(&open, &of_joints);
         }
-        let is_taken = |g: &Shaking| g.confirmed && among.contains(&g.joint);
-        let clearest = round.iter().find(|g| is_taken(g) && gears.found.len() < MOST_GEARS).cloned();
+        let clearest = round.iter().find(|g| g.confirmed && gears.found.len() < MOST_GEARS).cloned();
         let Some(clearest) = clearest else {
-            round.retain(|g| !is_taken(g));
+            round.retain(|g| !g.confirmed);
             gears.found.extend(round);
             return Ok(gears);
         };
@@ -201,55 +177,20 @@ pub(crate) fn gears_anew(
     let level = Level { level: question.selection.level, trials: 1.0 };
     let anew = |gear: &Shaking| -> Result<Shaking, DiagnosisError> {
         let others = || gears.iter().filter(|g| g.confirmed && g.joint != gear.joint);
-        let kind = Kind::of(gear.gap_rad[0]);
-        let freed = pieces
-            .par_iter()
-            .map(|p| {
-                let mut full = p.full.clone();
-                for other in others().filter(|g| g.present[usize::from(p.target)]) {
-                    undo::take_off(&undo::torque(other, &p.full, &p.gradients), &mut full.residual);
-                }
-                let rows = Rows::new(p.segment, &full, &p.gradients, p.position_cutoff_hz, kind)?;
-                Ok(OwnFreed::new(rows, p.target))
-            })
-            .collect::<Result<Vec<_>, DiagnosisError>>()?;
+        let mut pieces = pieces.clone();
+        for piece in &mut pieces {
+            for other in others().filter(|g| g.present[usize::from(piece.target)]) {
+                let torque = undo::torque(other, &piece.full, &piece.gradients);
+                undo::take_off(&torque, &mut piece.full.residual);
+            }
+        }
+        let rows = KindRows::new(&pieces, Kind::of(gear.gap_rad[0]))?;
         let among = if gear.present[0] { Among::All } else { Among::Targets };
-        let found =
-            JointRows::new(&freed, gear.joint)?.and_then(|rows| rows.anew(gear.simulated.0, among, level));
+        let rows = JointRows::new(&rows, gear.joint)?;
+        let found = rows.map_or(Ok(None), |rows| rows.anew(gear.simulated.0, among, level))?;
         Ok(found.map_or_else(|| gear.clone(), |found| Shaking { p: gear.p, ..Shaking::new(found, kinds) }))
     };
     gears.iter().map(|gear| if gear.confirmed { anew(gear) } else { Ok(gear.clone()) }).collect()
-}
-
-/// The segments in which gears can be looked for.
-fn pieces<'a>(
-    question: &'a Question<'_>,
-    fit: &Fit<'_>,
-    inertial: &[(usize, f64)],
-    asked: impl Fn(Role) -> bool,
-) -> Result<Vec<Piece<'a>>, DiagnosisError> {
-    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
-    let mut pieces = Vec::new();
-    for (recording, questioned) in question.recordings.iter().enumerate() {
-        // Another simulator's prediction is no torque of this model.
-        if !asked(questioned.role) || questioned.simulated.is_some() {
-            continue;
-        }
-        let position_cutoff_hz = questioned.options.effective_position_cutoff_hz();
-        for segment in questioned.data.data.segments.iter().filter(|s| s.rate_hz >= LEAST_RATE_HZ) {
-            if (segment.motion.samples() as f64) < SHORTEST_S * segment.rate_hz {
-                continue;
-            }
-            let Some(full) = FullRate::evaluate(segment, fit, inertial)? else { continue };
-            let body = &**fit.model.rigid_body();
-            let gradients =
-                PoseColumns::gravity_gradients(body, inertial, segment.motion.view(), full.inertia.step())?;
-            // Validation recordings are of the robot as it is in the targets, where there are any.
-            let target = questioned.role == Role::Target || targets && questioned.role == Role::Validation;
-            pieces.push(Piece { recording, target, segment, full, gradients, position_cutoff_hz });
-        }
-    }
-    Ok(pieces)
 }
 
 /// What one joint shows.
@@ -260,35 +201,35 @@ struct OfJoint {
 }
 
 fn of_joint(
-    [elastic_rows, play_rows]: &[Vec<OwnFreed>; 2],
+    [elastic_rows, play_rows]: &[KindRows<'_>; 2],
     joint: usize,
     effects: [bool; 2],
     level: Level,
 ) -> Result<OfJoint, DiagnosisError> {
-    let kinds = [elastic_rows.iter().any(|f| !f.target), elastic_rows.iter().any(|f| f.target)];
-    let search = |rows: &JointRows<'_>, starts: &[Shape]| {
+    let kinds = elastic_rows.kinds();
+    let search = |rows: &JointRows<'_>, starts: &[Shape]| -> Result<Option<Found>, DiagnosisError> {
         let scan = rows.scan(starts);
-        let found = rows.search(&scan, Among::All, level);
+        let found = rows.search(&scan, Among::All, level)?;
         let found = if kinds == [true; 2] {
-            changed(rows, found, rows.search(&scan, Among::Targets, level))
+            changed(rows, found, rows.search(&scan, Among::Targets, level)?)
         } else {
             found
         };
         // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.
-        found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible())
+        Ok(found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible()))
     };
     let shows = |rows: &JointRows<'_>, shape: &Shape| rows.visible(*shape) >= VISIBLE_GAIN;
     let mut of_joint = OfJoint::default();
     let (mut elastic, mut play) = (None, None);
     if let Some(rows) = JointRows::new(elastic_rows, joint)?.filter(|_| effects[0]) {
         let [starts, _] = rows.starts();
-        elastic = search(&rows, &starts);
+        elastic = search(&rows, &starts)?;
         of_joint.visible.hz = starts.iter().rev().find(|s| shows(&rows, s)).map(|s| s.hz);
         of_joint.visible.inertia = Some(rows.inertia());
     }
     if let Some(rows) = JointRows::new(play_rows, joint)?.filter(|_| effects[1]) {
         let [_, starts] = rows.starts();
-        play = search(&rows, &starts);
+        play = search(&rows, &starts)?;
         of_joint.visible.half_gap_rad = starts.iter().find(|s| shows(&rows, s)).map(|s| s.half_gap_rad);
     }
     let found = match (elastic, play) {
@@ -319,12 +260,6 @@ fn changed(rows: &JointRows<'_>, all: Option<Found>, targets: Option<Found>) -> 
 }
 
 impl Shaking {
-    /// Withdraws the gear: what was found without it explains what it would.
-    pub(crate) fn made_superfluous(&mut self) {
-        self.confirmed = false;
-        self.fails.push("beside what else was found, the recordings do not show it".to_owned());
-    }
-
     /// Withdraws an elastic gear whose compliance is within two deviations of none, as it is done with the size of other effects.
     pub(crate) fn require_size(&mut self) {
         let [stiffness, std] = self.stiffness_nm_rad;

@@ -1,12 +1,13 @@
 //! The rows on which the transmission is judged: band-limited, thinned out, white.
 
-use aurt_recording::{Segment, ZeroPhase};
+use aurt_recording::ZeroPhase;
 
 use super::link::{Deflection, Drive, Gear};
+use super::pieces::Piece;
 use super::series::FullRate;
 use super::shape::Inertia;
 use super::whiten::Whitener;
-use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ, PoseColumns};
+use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ};
 use crate::error::DiagnosisError;
 
 /// Rows end at this share of the cut-off of the positions' filter: there it still passes 0.86 of the motion.
@@ -114,14 +115,14 @@ impl Links {
 pub(super) const LEAST_INERTIA: f64 = 0.2;
 
 impl Rows {
-    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`.
+    /// The rows of a piece at full rate, white as others are, or by themselves.
     pub fn new(
-        segment: &Segment,
+        piece: &Piece<'_>,
         full: &FullRate,
-        gradients: &PoseColumns,
-        position_cutoff_hz: f64,
         kind: Kind,
+        as_white_as: Option<&Self>,
     ) -> Result<Self, DiagnosisError> {
+        let Piece { segment, gradients, position_cutoff_hz, .. } = piece;
         let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz).min(kind.top_hz());
         let step = ((full.rate_hz / (ROWS_PER_PERIOD * top_hz)) as usize).max(1);
         let of_links = ((full.rate_hz / LINK_HZ) as usize).clamp(1, step);
@@ -155,8 +156,10 @@ impl Rows {
         let settled = (SETTLES_S * rate_hz) as usize;
         let mut counts: Vec<Vec<bool>> =
             full.calm.iter().map(|c| c.iter().copied().step_by(step).collect()).collect();
-        let whiteners: Vec<Option<Whitener>> =
-            (0..joints).map(|j| Whitener::of(&residual[j], &counts[j], order)).collect();
+        let whiteners: Vec<Option<Whitener>> = as_white_as.map_or_else(
+            || (0..joints).map(|j| Whitener::of(&residual[j], &counts[j], order)).collect(),
+            |rows| rows.whiteners.clone(),
+        );
         let mut white = Vec::with_capacity(joints);
         for (j, whitener) in whiteners.iter().enumerate() {
             let silent = settled.max(whitener.as_ref().map_or(rows, Whitener::memory)).min(rows);

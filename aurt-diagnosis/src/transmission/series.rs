@@ -83,6 +83,22 @@ impl FullRate {
         }))
     }
 
+    /// The same with a noise of accelerations beside the motion, `[joint][sample]`, times a factor.
+    pub(super) fn beside(&self, noise: &[Vec<f64>], factor: f64) -> Self {
+        let mut beside = self.clone();
+        for (j, noise) in noise.iter().enumerate() {
+            beside.acceleration_rad_s2[j].iter_mut().zip(noise).for_each(|(a, n)| *a += factor * n);
+            for i in 0..self.joints() {
+                for (k, n) in noise.iter().enumerate() {
+                    let torque = factor * self.inertia.at(j, i, k) * n;
+                    beside.load[i][k] += torque;
+                    beside.residual[i][k] -= torque;
+                }
+            }
+        }
+        beside
+    }
+
     /// Number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PositionNoise, PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::MeasurementUnit;
 
-use super::against::OwnFreed;
 use super::claim::{Among, Found, JointRows, Level};
-use super::rows::{Kind, Rows};
+use super::pieces::{KindRows, Piece};
+use super::rows::Kind;
 use super::series::FullRate;
 use super::shape::Shape;
 use crate::dice::Dice;
@@ -119,18 +119,20 @@ fn searched(motors: Motors) -> Option<Found> {
         inertia: PoseColumns::constant(&INERTIA.map(|c| c.to_vec())),
         load,
     };
-    let rows = Rows::new(
+    let pieces = [Piece {
+        recording: 0,
+        target: false,
         segment,
-        &full,
-        &PoseColumns::constant(&[vec![0.0; 2], vec![0.0; 2]]),
-        options.effective_position_cutoff_hz(),
-        Kind::of(half_gap_rad),
-    );
-    let freed = [OwnFreed::new(rows.unwrap(), false)];
-    let rows = JointRows::new(&freed, 0).unwrap().unwrap();
+        full,
+        gradients: PoseColumns::constant(&[vec![0.0; 2], vec![0.0; 2]]),
+        position_cutoff_hz: options.effective_position_cutoff_hz(),
+        noise: recording.position_rad.iter().map(|q| PositionNoise::of(&recording.time_s, q)).collect(),
+    }];
+    let of_kind = KindRows::new(&pieces, Kind::of(half_gap_rad)).unwrap();
+    let rows = JointRows::new(&of_kind, 0).unwrap().unwrap();
     let [elastic, play]: [Vec<Shape>; 2] = rows.starts();
     let starts = if half_gap_rad > 0.0 { play } else { elastic };
-    rows.search(&rows.scan(&starts), Among::All, Level { level: 0.05, trials: 2.0 })
+    rows.search(&rows.scan(&starts), Among::All, Level { level: 0.05, trials: 2.0 }).unwrap()
 }
 
 #[test]
@@ -177,6 +179,19 @@ fn a_gear_is_found_beneath_the_noise_of_encoders() {
     let found = searched(Motors { encoder_noise_rad: [1e-5; 2], hz: Some(9.0), ..MOTORS }).unwrap();
     assert!(found.confirmed(), "{:?}", found.fails);
     assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
+}
+
+#[test]
+fn the_size_of_a_gears_torque_is_free_of_the_encoders_noise() {
+    for noise_rad in [1e-5, 2e-5, 3e-5] {
+        let found = searched(Motors { encoder_noise_rad: [noise_rad; 2], hz: Some(9.0), ..MOTORS }).unwrap();
+        assert!(
+            (found.amplitude - 1.0).abs() < 0.1,
+            "{noise_rad} rad: {} ± {}",
+            found.amplitude,
+            found.amplitude_std
+        );
+    }
 }
 
 /// Differences of few samples a second are too small where motions are fast: a gear shows, and its frequency is up to a quarter too high.

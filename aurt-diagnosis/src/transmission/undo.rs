@@ -27,9 +27,8 @@ pub(super) fn torque(gear: &Shaking, full: &FullRate, gradients: &PoseColumns) -
         .map(|i| {
             of(&|k| {
                 let own = if i == joint { rotor } else { 0.0 };
-                let moved = (full.inertia.at(joint, i, k) - own) * deflection.acceleration_rad_s2[k]
-                    + gradients.at(joint, i, k) * deflection.angle_rad[k];
-                gear.amplitude[0] * moved
+                (full.inertia.at(joint, i, k) - own) * deflection.acceleration_rad_s2[k]
+                    + gradients.at(joint, i, k) * deflection.angle_rad[k]
             })
         })
         .collect()

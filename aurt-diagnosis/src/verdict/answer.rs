@@ -45,7 +45,8 @@ pub(crate) fn answers(
                 answer => answer,
             };
             let chosen = &investigation.selection.chosen;
-            let unclaimed = chosen.iter().any(|c| investigation.is_withheld(c));
+            let unclaimed =
+                chosen.iter().any(|c| c.withheld.is_some() && !investigation.groups[c.group].target_only());
             let missing = Asked { left: errors.structure || something, coincidence: false, unclaimed };
             (change, Some(word(&in_all, &missing)))
         }

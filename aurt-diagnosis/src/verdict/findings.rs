@@ -48,7 +48,7 @@ pub(crate) fn findings(
     let chosen = &investigation.selection.chosen;
     let mut merged: Vec<(Finding, Vec<Vec<usize>>)> = Vec::new();
     for one in chosen {
-        if investigation.is_withheld(one) {
+        if one.withheld.is_some() {
             continue;
         }
         let Some(finding) = finding(question, investigation, one, fitted) else { continue };
@@ -79,24 +79,23 @@ pub(crate) fn findings(
 
 /// What was selected and fails a test, each for itself.
 pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
-    let together = investigation.selection.chosen.iter().filter(|c| investigation.is_withheld(c));
-    let together = together.map(|c| Indicated {
-        chosen: c.clone(),
-        fails: vec!["the calibration recordings do not show it".to_owned()],
-        lacks_confirmation: false,
+    let withheld = investigation.selection.chosen.iter().filter_map(|c| {
+        let fails = vec![c.withheld.clone()?];
+        Some(Indicated { chosen: c.clone(), fails, lacks_confirmation: false })
     });
     let mut found: Vec<Indication> = investigation
         .indicated
         .iter()
         .cloned()
-        .chain(together)
+        .chain(withheld)
         .filter_map(|indicated| {
             let kept = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
             let own = &investigation.groups[indicated.chosen.group];
             let fitted = Fitted::new(investigation, investigation.switches_of(kept.chain([own])));
             let mut finding = finding(question, investigation, &indicated.chosen, &fitted)?;
             finding.sentence = sentence(&finding, question);
-            Some(Indication { finding, fails: indicated.fails })
+            let usual = own.target_only() && indicated.chosen.withheld.is_some();
+            Some(Indication { finding, fails: indicated.fails, usual })
         })
         .collect();
     found.sort_by(|a, b| b.finding.evidence.score.total_cmp(&a.finding.evidence.score));

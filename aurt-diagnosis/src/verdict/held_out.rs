@@ -6,7 +6,7 @@ use crate::evidence::account::has_structure;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
-use crate::investigation::{Fitted, Investigation};
+use crate::investigation::{BETWEEN_RECORDINGS, Fitted, Investigation};
 use crate::recordings::rows::RecordingRows;
 use crate::verdict::{HeldOut, HeldOutDifference, JointResidual};
 
@@ -146,10 +146,6 @@ fn difference(investigation: &Investigation, fitted: &Fitted, others: &[f64]) ->
     }
     sums.iter().zip(counts(investigation)).map(|(sum, count)| sum / count).collect()
 }
-
-/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
-/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
-const BETWEEN_RECORDINGS: f64 = 0.06;
 
 /// Mean square of friction over the held-out rows, joint by joint, Nm²: of the joints' own laws, unless the model is given, and of
 /// those that were found.

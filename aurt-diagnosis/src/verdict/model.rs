@@ -102,13 +102,20 @@ impl Verdict {
         RobotNames { joints: &self.joint_names, links: &self.link_names }
     }
 
-    /// Indications of a change in the targets that chance does not explain: `p_null` is within the level, and another test fails.
+    /// Indications of a change in the targets that chance does not explain: `p_null` is within the level, and another test fails. Those
+    /// that are within what recordings of an unchanged robot differ by, or those that are not.
     #[must_use]
-    pub fn indicated_changes(&self) -> Vec<&Finding> {
+    pub fn indicated_changes(&self, usual: bool) -> Vec<&Finding> {
         let is_change =
             |f: &&Finding| f.family != Family::Q && f.present_in.iter().all(|kind| kind == "target");
         let is_beyond_chance = |f: &&Finding| f.evidence.p_null.is_some_and(|p| p <= self.settings.level);
-        self.indications.iter().map(|i| &i.finding).filter(is_change).filter(is_beyond_chance).collect()
+        self.indications
+            .iter()
+            .filter(|i| i.usual == usual)
+            .map(|i| &i.finding)
+            .filter(is_change)
+            .filter(is_beyond_chance)
+            .collect()
     }
 }
 
@@ -164,6 +171,8 @@ pub struct Indication {
     pub finding: Finding,
     /// The tests that it fails.
     pub fails: Vec<String>,
+    /// True for a change that is within what recordings of an unchanged robot differ by.
+    pub usual: bool,
 }
 
 /// Something that could not be looked at.

@@ -29,7 +29,7 @@ pub(crate) fn shaking_indications(question: &Question<'_>, investigation: &Inves
     let chosen = || investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
     let is_claimed = |s: &&Shaking| chosen().any(|g| g.effect == s.effect && g.joints == [s.joint]);
     let rest = investigation.shaking.iter().filter(|s| !s.confirmed && !is_claimed(s));
-    rest.map(|s| Indication { finding: finding(question, s), fails: s.fails.clone() }).collect()
+    rest.map(|s| Indication { finding: finding(question, s), fails: s.fails.clone(), usual: false }).collect()
 }
 
 fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {

@@ -67,7 +67,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let full = (&**all, &*fit.coefficients);
     let fitted_rests = rests(investigation, &investigation.rows, own, full);
     let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
-    let has_claims = investigation.selection.chosen.iter().any(|c| !investigation.is_withheld(c));
+    let has_claims = investigation.selection.chosen.iter().any(|c| c.withheld.is_none());
     let (mut remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
     if let Some(given) = &investigation.problem.given {
         let off = given.rms(investigation.confirm.to_judge(), &investigation.layout);

@@ -175,6 +175,7 @@ mod tests {
         let indication = |k: usize| Indication {
             finding: finding("stribeck", Family::F, &[0], &["calibration"]),
             fails: vec![format!("it is 1.{k} σ from zero")],
+            usual: false,
         };
         found.indications = (0..count).map(indication).collect();
         found

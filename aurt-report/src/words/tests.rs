@@ -102,7 +102,7 @@ fn a_change_beyond_chance_that_held_out_data_do_not_confirm_is_no_all_clear() {
     let mut of = finding("coulomb", Family::F, &[3], &["target"]);
     (of.evidence.p_null, of.evidence.p_confirm) = (Some(1e-9), Some(0.4));
     let fails = vec!["chance alone makes such a finding with a probability of 0.4".to_owned()];
-    found.indications.push(Indication { finding: of, fails });
+    found.indications.push(Indication { finding: of, fails, usual: false });
     let said = headline(&found, Asked::Change);
     assert!(
         said.starts_with("no change is confirmed: the target indicates") && said.contains("joint 3"),
@@ -116,6 +116,11 @@ fn a_change_beyond_chance_that_held_out_data_do_not_confirm_is_no_all_clear() {
         found.indications[0].finding.evidence.p_confirm = p_confirm;
         assert!(headline(&found, Asked::Change).starts_with("no change is confirmed"));
     }
+    // One of many days is none, and is told.
+    found.indications[0].usual = true;
+    assert!(headline(&found, Asked::Change).starts_with("nothing has changed by more than"));
+    assert_eq!(nothing(&found), "nothing by more than is usual");
+    found.indications[0].usual = false;
     // A change that chance explains is none.
     found.indications[0].finding.evidence.p_null = Some(0.2);
     assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
