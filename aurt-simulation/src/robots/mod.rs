@@ -1,19 +1,7 @@
 //! The robots that simulations and proofs use.
 //!
 //! Geometry is that of the public tables; inertial parameters, friction and sensors are plausible values with
-//! their sources beside them. They describe *a* robot of that kind, not any one machine.
-
-mod panda;
-mod two_link;
-mod tx40;
-mod ur10e;
-mod ur5e;
-
-pub use panda::panda;
-pub use two_link::two_link;
-pub use tx40::tx40;
-pub use ur5e::ur5e;
-pub use ur10e::ur10e;
+//! their sources in the files beside this one. They describe *a* robot of that kind, not any one machine.
 
 use aurt_rbd::{ChainDynamics, JointKind, LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
 use aurt_traits::MeasurementUnit;
@@ -99,7 +87,6 @@ pub enum Rotors {
 }
 
 impl Robot {
-    /// The robot of a name.
     pub fn named(name: &str) -> Result<Self, SimulationError> {
         Self::all().into_iter().find(|robot| robot.name == name).ok_or_else(|| {
             SimulationError::UnknownRobot {
@@ -157,7 +144,9 @@ impl Robot {
     /// ([`excite`](crate::trajectory::excite)).
     #[must_use]
     pub fn of_limits(name: &str, limits: &[MotionLimits]) -> Self {
-        Self::of_geometry(name, vec![row(0.0, 0.0, 0.0); limits.len()], [0.0; 3], limits)
+        let (kind, [alpha_rad, a_m, d_m, theta_offset_rad]) = (JointKind::Revolute, [0.0; 4]);
+        let row = MdhRow { kind, alpha_rad, a_m, d_m, theta_offset_rad, sign: 1.0 };
+        Self::of_geometry(name, vec![row; limits.len()], [0.0; 3], limits)
     }
 
     #[must_use]
@@ -260,9 +249,57 @@ impl Robot {
     }
 }
 
-/// A row of geometry without offset of the joint angle.
-fn row(alpha_rad: f64, a_m: f64, d_m: f64) -> MdhRow {
-    MdhRow { kind: JointKind::Revolute, alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
+/// A robot as its file describes it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Described {
+    unit: MeasurementUnit,
+    gravity_m_s2: [f64; 3],
+    /// The geometry as [`Robot::mdh_csv`] writes it.
+    mdh: String,
+    /// The links, for [`bodies`].
+    links: Vec<[f64; 10]>,
+    /// The fields of [`Drive`], each a list over joints.
+    drives: toml::Table,
+}
+
+impl Described {
+    fn read(name: &str, text: &str) -> Result<Robot, Box<dyn std::error::Error>> {
+        let Self { unit, gravity_m_s2, mdh, links, drives } = toml::from_str(text)?;
+        let mdh = MdhTable::parse(&mdh, name, MdhRows::Next)?.rows;
+        let fields_of = |j: usize| drives.iter().map(move |(key, joints)| (key.clone(), joints[j].clone()));
+        let drives = (0..mdh.len()).map(|j| fields_of(j).collect::<toml::Table>().try_into());
+        let drives = drives.collect::<Result<_, _>>()?;
+        Ok(Robot { name: name.into(), gravity_m_s2, links: bodies(&links), drives, mdh, unit })
+    }
+}
+
+/// Declares robots, each by the file of its name.
+macro_rules! described {
+    ($($(#[$doc:meta])* $name:ident)+) => {
+        $(
+            $(#[$doc])*
+            #[must_use]
+            pub fn $name() -> Robot {
+                // The file is part of the program, and a test reads it.
+                Described::read(stringify!($name), include_str!(concat!(stringify!($name), ".toml"))).expect("a robot")
+            }
+        )+
+    };
+}
+
+described! {
+    /// A Franka Emika Panda, upright; seven joints, little friction, joint torques from its logger.
+    panda
+    /// Two rods of 1 m that turn about parallel horizontal axes; torques in Nm.
+    two_link
+    /// A Stäubli TX40: light, fast, stiff gears of low ratio, dominant friction; its logger writes joint torques.
+    tx40
+    /// A Universal Robots UR10e, upright; its logger writes motor currents.
+    ur10e
+    /// A Universal Robots UR5e on a slanted base (gravity 0, 6.937, −6.937 m/s² as in the AURT paper); its logger
+    /// writes motor currents.
+    ur5e
 }
 
 /// Bodies, each from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
