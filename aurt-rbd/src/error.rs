@@ -63,14 +63,6 @@ pub enum RbdError {
     /// The rank of the dummy observations did not settle, or two seeds disagree on the base parameters.
     #[error("the base parameters could not be determined: {reason}")]
     BaseParameters { reason: String },
-    /// An instruction set was asked for by a name that is not known, or that this processor does not have.
-    #[error("SIMD level `{asked}` {reason}; available here: {available}")]
-    Dispatch {
-        asked: String,
-        reason: &'static str,
-        /// What can be had, comma separated.
-        available: String,
-    },
 }
 
 /// Everything that is wrong with a table of modified Denavit–Hartenberg parameters, in the order of lines.

@@ -12,7 +12,6 @@ pub struct AccelerationFriction {
 impl Physics for AccelerationFriction {
     const IDENTIFIER: &'static str = "acceleration_friction";
     const FAMILY: Family = Family::F;
-    const SUMMARY: &'static str = "dry friction that grows with acceleration, as of a seal that swells";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["growth_nm_s2"];

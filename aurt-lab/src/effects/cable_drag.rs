@@ -16,7 +16,6 @@ pub struct CableDrag {
 impl Physics for CableDrag {
     const IDENTIFIER: &'static str = "cable_drag";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "a cable that pulls a joint by how two joints stand to each other";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
     const PARAMETERS: &'static [&'static str] = &["tension_nm"];

@@ -13,7 +13,6 @@ pub struct CrossDrag {
 impl Physics for CrossDrag {
     const IDENTIFIER: &'static str = "cross_drag";
     const FAMILY: Family = Family::C;
-    const SUMMARY: &'static str = "drag on a joint with the square of another's speed";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
     const PARAMETERS: &'static [&'static str] = &["drag_nm_s2"];

@@ -37,9 +37,6 @@ pub fn kind(identifier: &str) -> Result<&'static EffectKind, SimulationError> {
 }
 
 /// The effect of an identifier with the given fields.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`], or what is wrong with the fields.
 pub fn read_effect(identifier: &str, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
     kind(identifier)?.effect(fields)
 }

@@ -16,7 +16,6 @@ pub struct LeakingSpring {
 impl Physics for LeakingSpring {
     const IDENTIFIER: &'static str = "leaking_spring";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "a gas spring that loses its pressure during the recording";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "leak_s"];

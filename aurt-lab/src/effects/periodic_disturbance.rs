@@ -13,7 +13,6 @@ pub struct PeriodicDisturbance {
 impl Physics for PeriodicDisturbance {
     const IDENTIFIER: &'static str = "periodic_disturbance";
     const FAMILY: Family = Family::X;
-    const SUMMARY: &'static str = "a torque of a fixed frequency in time, whatever the joint does";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["amplitude_nm", "frequency_hz"];

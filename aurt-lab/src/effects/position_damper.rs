@@ -13,7 +13,6 @@ pub struct PositionDamper {
 impl Physics for PositionDamper {
     const IDENTIFIER: &'static str = "position_damper";
     const FAMILY: Family = Family::V;
-    const SUMMARY: &'static str = "a damper whose orifice opens with the angle";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["damping_nm_s"];

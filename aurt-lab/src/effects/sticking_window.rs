@@ -13,7 +13,6 @@ pub struct StickingWindow {
 impl Physics for StickingWindow {
     const IDENTIFIER: &'static str = "sticking_window";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "dry friction that is higher within a range of angles";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["excess_nm"];

@@ -17,7 +17,6 @@ pub struct Backlash {
 impl Physics for Backlash {
     const IDENTIFIER: &'static str = "backlash";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "play in a gear";
     const PRESENCE: Presence = Presence::Either;
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
     const TAKES: Takes = Takes::One;

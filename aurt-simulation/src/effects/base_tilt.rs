@@ -26,7 +26,6 @@ impl BaseTilt {
 impl Physics for BaseTilt {
     const IDENTIFIER: &'static str = "base_tilt";
     const FAMILY: Family = Family::I;
-    const SUMMARY: &'static str = "a base that is not mounted as the experiment says";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::All;
     const PARAMETERS: &'static [&'static str] = &["roll_rad", "pitch_rad"];

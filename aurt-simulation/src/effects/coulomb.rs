@@ -6,7 +6,7 @@ per_joint! {
         /// Level instead of the robot's own, Nm.
         coulomb_nm: [0.0, 1e4],
     }
-    "coulomb", F, Structural, Few, "dry friction that the experiment leaves out";
+    "coulomb", F, Structural, Few;
     drawn: |context, _random| context.noises(1.2);
     scaled_within: |robot, joint| [1e-3, 2.0 * robot.drives[joint].coulomb_nm.max(0.1)];
     installed: |setup, joint, level| {

@@ -14,7 +14,6 @@ pub struct CoulombAsymmetry {
 impl Physics for CoulombAsymmetry {
     const IDENTIFIER: &'static str = "coulomb_asymmetry";
     const FAMILY: Family = Family::F;
-    const SUMMARY: &'static str = "dry friction of two levels, one for each direction";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] =

@@ -6,7 +6,7 @@ per_joint! {
         /// The constant, Nm.
         offset_nm: [-1e4, 1e4],
     }
-    "current_offset", D, Either, Few, "a constant in the measured torque";
+    "current_offset", D, Either, Few;
     drawn: |context, random| context.noises(random.sign());
     scaled_within: |robot, joint| [-0.3, 0.3].map(|share| share * robot.drives[joint].torque_limit_nm);
     installed: |setup, joint, offset| {

@@ -15,7 +15,6 @@ pub struct DriveEfficiency {
 impl Physics for DriveEfficiency {
     const IDENTIFIER: &'static str = "drive_efficiency";
     const FAMILY: Family = Family::L;
-    const SUMMARY: &'static str = "gear losses that differ between driving and being driven";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
     const PARAMETERS: &'static [&'static str] = &["driving", "driven"];

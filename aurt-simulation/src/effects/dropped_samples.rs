@@ -12,7 +12,6 @@ pub struct DroppedSamples {
 impl Physics for DroppedSamples {
     const IDENTIFIER: &'static str = "dropped_samples";
     const FAMILY: Family = Family::Q;
-    const SUMMARY: &'static str = "missing, repeated, held or corrupt rows";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::All;
 

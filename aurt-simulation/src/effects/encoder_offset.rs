@@ -9,7 +9,7 @@ per_joint! {
         /// The constant, rad.
         offset_rad: [-7.0, 7.0],
     }
-    "encoder_offset", D, Later, One, "an encoder that has lost its zero";
+    "encoder_offset", D, Later, One;
     drawn: |context, random| vec![0.02 * random.sign(); context.joints.len()];
     scaled_within: |_robot, _joint| [-LARGEST_RAD, LARGEST_RAD];
     installed: |setup, joint, offset| {

@@ -22,7 +22,6 @@ const LARGEST_N: f64 = 400.0;
 impl Physics for ExternalContact {
     const IDENTIFIER: &'static str = "external_contact";
     const FAMILY: Family = Family::X;
-    const SUMMARY: &'static str = "somebody or something that pushes a link for a while";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::All;
     const PARAMETERS: &'static [&'static str] = &["link"];

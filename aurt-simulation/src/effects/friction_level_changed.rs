@@ -15,7 +15,6 @@ pub struct FrictionLevelChanged {
 impl Physics for FrictionLevelChanged {
     const IDENTIFIER: &'static str = "friction_level_changed";
     const FAMILY: Family = Family::F;
-    const SUMMARY: &'static str = "the same friction with other coefficients than at calibration";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] =

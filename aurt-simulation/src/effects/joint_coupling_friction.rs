@@ -20,7 +20,6 @@ pub struct JointCouplingFriction {
 impl Physics for JointCouplingFriction {
     const IDENTIFIER: &'static str = "joint_coupling_friction";
     const FAMILY: Family = Family::C;
-    const SUMMARY: &'static str = "a motor that turns with the motion of two joints";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Pair;
     const PARAMETERS: &'static [&'static str] =

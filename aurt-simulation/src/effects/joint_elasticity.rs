@@ -35,7 +35,6 @@ pub(super) fn gear_damping_nm_s(robot: &Robot, joint: usize, stiffness_nm_rad: f
 impl Physics for JointElasticity {
     const IDENTIFIER: &'static str = "joint_elasticity";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "a gear that gives way like a spring";
     const PRESENCE: Presence = Presence::Structural;
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
     const TAKES: Takes = Takes::Few;

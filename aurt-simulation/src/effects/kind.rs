@@ -100,7 +100,6 @@ pub struct EffectKind {
     /// Identifier, snake_case.
     pub identifier: &'static str,
     pub family: Family,
-    pub summary: &'static str,
     pub presence: Presence,
     /// Where the rotors' inertia has to be, if that matters.
     pub rotors: Option<Rotors>,

@@ -6,7 +6,7 @@ per_joint! {
         /// Friction per load, Nm/Nm.
         load_coefficient: [0.0, 0.9],
     }
-    "load_dependent_friction", L, Structural, Few, "dry friction that grows with the torque that the gear transmits";
+    "load_dependent_friction", L, Structural, Few;
     drawn: |context, random| vec![random.between(0.06, 0.15); context.joints.len()];
     scaled_within: |_robot, _joint| [f64::NEG_INFINITY, 0.45];
     installed: |setup, joint, coefficient| {

@@ -29,7 +29,6 @@ impl Payload {
 impl Physics for Payload {
     const IDENTIFIER: &'static str = "payload";
     const FAMILY: Family = Family::I;
-    const SUMMARY: &'static str = "a body fixed to a link";
     const PRESENCE: Presence = Presence::Later;
     const TAKES: Takes = Takes::All;
     const PARAMETERS: &'static [&'static str] = &["mass_kg", "link"];

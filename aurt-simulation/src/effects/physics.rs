@@ -19,7 +19,6 @@ pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static 
     /// Identifier, snake_case.
     const IDENTIFIER: &'static str;
     const FAMILY: Family;
-    const SUMMARY: &'static str;
     const PRESENCE: Presence;
     /// Where the rotors' inertia has to be, if that matters.
     const ROTORS: Option<Rotors> = None;
@@ -85,7 +84,7 @@ macro_rules! per_joint {
             $(#[$of:meta])*
             $field:ident: $bounds:expr,
         }
-        $identifier:literal, $family:ident, $presence:ident, $takes:ident, $summary:literal;
+        $identifier:literal, $family:ident, $presence:ident, $takes:ident;
         drawn: |$context:ident, $random:ident| $values:expr;
         scaled_within: |$robot:ident, $joint:ident| $within:expr;
         installed: |$setup:ident, $at:ident, $value:ident| $install:block
@@ -103,7 +102,6 @@ macro_rules! per_joint {
         impl Physics for $effect {
             const IDENTIFIER: &'static str = $identifier;
             const FAMILY: Family = Family::$family;
-            const SUMMARY: &'static str = $summary;
             const PRESENCE: Presence = Presence::$presence;
             const TAKES: Takes = Takes::$takes;
             const PARAMETERS: &'static [&'static str] = &[stringify!($field)];
@@ -183,7 +181,6 @@ impl EffectKind {
         Self {
             identifier: P::IDENTIFIER,
             family: P::FAMILY,
-            summary: P::SUMMARY,
             presence: P::PRESENCE,
             rotors: P::ROTORS,
             takes: P::TAKES,

@@ -56,7 +56,6 @@ impl PreslidingHysteresis {
 impl Physics for PreslidingHysteresis {
     const IDENTIFIER: &'static str = "presliding_hysteresis";
     const FAMILY: Family = Family::H;
-    const SUMMARY: &'static str = "dry friction that builds up along the way after a reversal";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] = &[("distance_rad", [1e-5, 1.0])];

@@ -6,7 +6,7 @@ per_joint! {
         /// Inertia on the joint's side, kg m².
         inertia_kg_m2: [0.0, 1e3],
     }
-    "rotor_inertia", I, Structural, Few, "inertia of a geared rotor";
+    "rotor_inertia", I, Structural, Few;
     drawn: |context, _random| context.noises(0.7);
     scaled_within: |_robot, _joint| [f64::NEG_INFINITY, 6.0];
     installed: |setup, joint, inertia| {

@@ -13,7 +13,6 @@ pub struct Saturation {
 impl Physics for Saturation {
     const IDENTIFIER: &'static str = "saturation";
     const FAMILY: Family = Family::D;
-    const SUMMARY: &'static str = "a current sensor that cannot show large values";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::One;
 

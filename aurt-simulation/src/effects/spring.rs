@@ -14,7 +14,6 @@ pub struct Spring {
 impl Physics for Spring {
     const IDENTIFIER: &'static str = "spring";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "a spring across a joint";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "rest_rad"];

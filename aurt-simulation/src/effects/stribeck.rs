@@ -21,7 +21,6 @@ pub struct Stribeck {
 impl Physics for Stribeck {
     const IDENTIFIER: &'static str = "stribeck";
     const FAMILY: Family = Family::F;
-    const SUMMARY: &'static str = "static friction above Coulomb's, which falls as the joint gets going";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] =

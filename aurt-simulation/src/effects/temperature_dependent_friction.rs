@@ -36,7 +36,6 @@ impl TemperatureDependentFriction {
 impl Physics for TemperatureDependentFriction {
     const IDENTIFIER: &'static str = "temperature_dependent_friction";
     const FAMILY: Family = Family::V;
-    const SUMMARY: &'static str = "friction that falls as the joint warms up";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] = &[("fall_per_k", [0.0, 0.5])];

@@ -11,7 +11,6 @@ pub struct TimeDelay {
 impl Physics for TimeDelay {
     const IDENTIFIER: &'static str = "time_delay";
     const FAMILY: Family = Family::D;
-    const SUMMARY: &'static str = "measured torques that lag behind the positions";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::All;
     const PARAMETERS: &'static [&'static str] = &["delay_s"];

@@ -6,7 +6,7 @@ per_joint! {
         /// e.
         gain_error: [-0.9, 9.0],
     }
-    "torque_constant", D, Either, Few, "a torque constant that is not what the experiment says";
+    "torque_constant", D, Either, Few;
     drawn: |context, random| context.joints.iter().map(|_| random.sign() * random.between(0.05, 0.12)).collect();
     scaled_within: |_robot, _joint| [-0.5, 1.0];
     installed: |setup, joint, error| {

@@ -18,7 +18,6 @@ pub struct TorqueRipple {
 impl Physics for TorqueRipple {
     const IDENTIFIER: &'static str = "torque_ripple";
     const FAMILY: Family = Family::P;
-    const SUMMARY: &'static str = "torque that repeats with the angle of the shaft";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["order", "amplitude_nm"];

@@ -7,7 +7,7 @@ per_joint! {
         /// Slope instead of the robot's own, Nm s/rad.
         viscous_nm_s: [0.0, 1e4],
     }
-    "viscous", V, Structural, Few, "viscous friction that the experiment leaves out";
+    "viscous", V, Structural, Few;
     drawn: |context, _random| context.noises(2.0);
     scaled_within: |robot, joint| [1e-3, 3.0 * robot.drives[joint].viscous_nm_s.max(0.1)];
     installed: |setup, joint, slope| {

@@ -16,7 +16,6 @@ pub struct ViscousAsymmetry {
 impl Physics for ViscousAsymmetry {
     const IDENTIFIER: &'static str = "viscous_asymmetry";
     const FAMILY: Family = Family::V;
-    const SUMMARY: &'static str = "viscous friction of two slopes, one for each direction";
     const PRESENCE: Presence = Presence::Either;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] =

@@ -38,8 +38,6 @@ impl ViscousNonlinear {
 impl Physics for ViscousNonlinear {
     const IDENTIFIER: &'static str = "viscous_nonlinear";
     const FAMILY: Family = Family::V;
-    const SUMMARY: &'static str =
-        "viscous friction that bends off with speed, as of shear-thinning lubricant";
     const PRESENCE: Presence = Presence::Structural;
     const TAKES: Takes = Takes::Few;
     const VALUES: &'static [(&'static str, [f64; 2])] =
