@@ -75,7 +75,6 @@ pub fn is_export(text: &str) -> bool {
 
 /// Words that begin the statement which target wrote a file.
 const WRITTEN_BY: &str = "written by `aurt export ";
-/// Words before the hash of the model.
 const HASH: &str = "BLAKE3 of the model: ";
 
 impl<'a> Source<'a> {

@@ -123,7 +123,6 @@ impl SimulationError {
         Self::Count { what: what.into(), expected, found }
     }
 
-    /// The text of a file.
     pub fn text_of(path: &Path) -> Result<String, Self> {
         let io = |source| Self::Io { path: path.into(), source };
         aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(io)

@@ -14,7 +14,6 @@ pub struct Random {
 }
 
 impl Random {
-    /// The stream of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { generator: Xoshiro256PlusPlus::seed_from_u64(seed), spare: None }
@@ -56,7 +55,6 @@ impl Random {
         if self.bits() >> 63 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// True with the given probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }

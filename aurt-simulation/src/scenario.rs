@@ -31,7 +31,6 @@ pub struct Scenario {
     pub instrument: Option<Instrument>,
     /// The recording's rate, clock and columns.
     pub logger: Logger,
-    /// Seed of all noise.
     pub seed: u64,
 }
 

@@ -61,9 +61,6 @@ impl Terminal {
     }
 
     /// Prints what a command has to say.
-    ///
-    /// # Errors
-    /// [`aurt::Error::Write`] if standard output takes no more (a full disk): half a document is none.
     pub fn print_report(&self, report: &Report) -> Result<(), Failure> {
         let written = if self.json {
             write_document(&report.json)

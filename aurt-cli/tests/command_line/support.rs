@@ -257,7 +257,6 @@ pub fn assert_has(text: &str, words: &[&str]) {
     }
 }
 
-/// A text without its line breaks.
 pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -272,7 +271,6 @@ pub fn with_cells(table: &str, change: impl Fn(usize, usize, &str) -> Option<Str
     format!("{header}\n") + &rows.lines().enumerate().map(row).collect::<String>()
 }
 
-/// The first columns of a table.
 pub fn first_columns(table: &str, count: usize) -> String {
     table.lines().map(|line| line.split(',').take(count).collect::<Vec<_>>().join(",") + "\n").collect()
 }
@@ -282,7 +280,6 @@ pub fn rows(table: &str) -> Vec<Vec<f64>> {
     table.lines().skip(1).map(|l| l.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
 
-/// The numbers of a table in the column of that name.
 #[track_caller]
 pub fn column(table: &str, name: &str) -> Vec<f64> {
     let at = table.lines().next().unwrap().split(',').position(|h| h == name);
@@ -297,7 +294,6 @@ pub fn with_table(toml: &str, header: &str, other: &str) -> String {
     format!("{}{other}{}", &toml[..begin], &toml[end..])
 }
 
-/// An experiment without torque constants.
 pub fn without_constants(toml: &str) -> String {
     toml.lines().filter(|l| !l.starts_with("torque_constants")).map(|l| format!("{l}\n")).collect()
 }

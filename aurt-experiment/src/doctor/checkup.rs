@@ -186,7 +186,6 @@ impl Checkup {
         findings
     }
 
-    /// The f_dyn that suits all motions together, Hz.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
         aurt_recording::suitable_f_dyn_hz(self.alone.iter().map(|one| &one.prepared))
     }

@@ -28,7 +28,6 @@ impl Geometry {
         }
     }
 
-    /// The description of the robot, where there is one.
     fn described(&self) -> Option<&DescribedRobot> {
         match self {
             Self::Mdh { .. } => None,
@@ -41,7 +40,6 @@ impl Geometry {
         self.described()?.standard_parameters.as_deref()
     }
 
-    /// The joints' names, where a description states them.
     pub fn joint_names(&self) -> &[String] {
         self.described().map_or(&[], |robot| &robot.joint_names)
     }

@@ -41,14 +41,10 @@ type Tables<'n> = [Option<&'n Node>; 3];
 type Models =
     (Option<Box<dyn CoulombModel>>, Option<Box<dyn HysteresisModel>>, Option<Box<dyn ViscousBasis>>);
 
-/// The models of a joint.
 type Stack = (Box<dyn CoulombModel>, Box<dyn HysteresisModel>, Box<dyn ViscousBasis>);
 
 impl JointDynamics {
     /// The models of every joint, joint after joint.
-    ///
-    /// # Errors
-    /// [`ModelError::SlotRefused`] for a model that does not declare what equation (6) asks of its slot.
     pub fn stacks(&self, joints: usize) -> Result<Vec<JointStack>, Vec<ModelError>> {
         (0..joints)
             .map(|joint| {

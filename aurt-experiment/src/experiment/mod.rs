@@ -87,9 +87,6 @@ pub struct Experiment {
 impl Experiment {
     /// Reads an experiment whose recordings hold torques or currents from its file. Libraries that it names are loaded into
     /// `registry`.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if the file cannot be read, else all problems at once as [`Error::Experiment`]; a `[drive]` is one.
     pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let read = Self::read_with_drives(path, registry)?;
         let Some(drive) = &read.drive else { return Ok(read) };
@@ -100,9 +97,6 @@ impl Experiment {
     }
 
     /// Reads any experiment from its file.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
     pub fn read_with_drives(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = read_text(path, MOST_TEXT_BYTES)

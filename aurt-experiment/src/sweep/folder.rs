@@ -69,10 +69,6 @@ impl Folder {
     }
 
     /// A folder for the sweep of an experiment, made if it does not exist, for this process alone.
-    ///
-    /// # Errors
-    /// [`SweepError::Locked`] if another process works in it, [`SweepError::Folder`] if it holds another experiment's
-    /// sweep or something else.
     pub fn for_sweep(path: &Path, sweep: &Sweep) -> Result<Self, SweepError> {
         let folder = Self::at(path);
         let refuse = |reason: &str, remedy: &str| refused(path.to_owned(), reason, remedy);
@@ -104,9 +100,6 @@ impl Folder {
     }
 
     /// The folder of a planned sweep, to be read.
-    ///
-    /// # Errors
-    /// [`SweepError::Folder`] if there is no plan in it.
     pub fn planned(path: &Path) -> Result<Self, SweepError> {
         let folder = Self::at(path);
         if !folder.file(PLAN).is_file() {
@@ -117,9 +110,6 @@ impl Folder {
     }
 
     /// The folder of a planned sweep, to add single results while others do so too.
-    ///
-    /// # Errors
-    /// As [`Self::planned`]; [`SweepError::Locked`] while the whole sweep is run or planned.
     pub fn shared(path: &Path) -> Result<Self, SweepError> {
         Self::planned(path)?.locked(Sharing::Shared)
     }
@@ -152,10 +142,6 @@ impl Folder {
         self.file(POINTS).join(format!("{number:04}.toml"))
     }
 
-    /// Reads the plan.
-    ///
-    /// # Errors
-    /// [`SweepError::Read`]; [`SweepError::Folder`] if it is another version's.
     pub fn plan(&self) -> Result<Plan, SweepError> {
         let path = self.file(PLAN);
         let text = aurt_files::read_regular(&path, aurt_files::MOST_MODEL_BYTES)

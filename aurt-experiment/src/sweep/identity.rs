@@ -51,9 +51,6 @@ impl Digests {
 /// The key of a point: a hash of everything that its result depends on. These are the resolved experiment, the contents
 /// of every file that it names, how points are judged, and the program: its version, its executable (or [library](code_is_in)) and those
 /// of the loaded libraries whose models the experiment has.
-///
-/// # Errors
-/// [`SweepError::Read`] if a file cannot be read.
 pub fn key(
     text: &str,
     experiment: &Experiment,

@@ -27,7 +27,6 @@ pub struct Plan {
     pub block_s: f64,
     /// Index of the point that others are compared with, from 0.
     pub reference: usize,
-    /// Names of the joints; empty where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
     pub points: Vec<PlannedPoint>,
@@ -41,10 +40,6 @@ pub struct PlannedPoint {
 }
 
 impl Plan {
-    /// The plan of a sweep.
-    ///
-    /// # Errors
-    /// [`SweepError::Read`] if a recording cannot be read.
     pub fn of(sweep: &Sweep, registry: &Registry) -> Result<Self, SweepError> {
         let experiment = sweep.path.canonicalize().unwrap_or_else(|_| sweep.path.clone());
         let digests = Digests::default();

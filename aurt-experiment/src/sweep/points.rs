@@ -36,10 +36,6 @@ const MOST_POINTS: usize = 1_000_000;
 
 impl Sweep {
     /// Reads an experiment and resolves all points of its sweep. Libraries that it names are loaded into `registry`.
-    ///
-    /// # Errors
-    /// [`SweepError::NoSweep`], [`SweepError::NothingHeldOut`], [`SweepError::Definition`] with every key that no
-    /// experiment has and every value that cannot be, at its place in `[sweep]`.
     pub fn read(path: &Path, registry: &mut Registry) -> Result<Self, SweepError> {
         let base = Experiment::read(path, registry)?;
         let Some(node) = &base.sweep else { return Err(SweepError::NoSweep { path: path.to_owned() }) };

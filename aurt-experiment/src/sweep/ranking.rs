@@ -20,7 +20,6 @@ pub struct Ranking {
     pub rows: Rows,
     /// Unit of the measurement; of the reference, where points differ.
     pub unit: Option<MeasurementUnit>,
-    /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
     pub reference: Option<String>,
@@ -46,7 +45,6 @@ pub struct Ranked {
     pub score: Option<f64>,
     /// Whether noise may explain its difference from the best point, over all joints together.
     pub tied_with_best: bool,
-    /// Its errors, joint after joint.
     pub joints: Vec<JointRank>,
     pub warnings: Vec<String>,
 }

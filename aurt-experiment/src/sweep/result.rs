@@ -144,7 +144,6 @@ impl JointErrors {
 }
 
 impl Judged {
-    /// The errors over some rows, joint after joint.
     pub fn errors(&self, rows: Rows) -> &[JointErrors] {
         match rows {
             Rows::All => &self.all,

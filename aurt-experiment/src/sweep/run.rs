@@ -51,10 +51,7 @@ pub struct Summary {
     pub points: Duration,
 }
 
-/// Runs all points of a plan whose result is not there yet.
-///
-/// # Errors
-/// [`SweepError::Write`] if a result cannot be kept. What is wrong with a point is its result.
+/// Runs all points of a plan whose result is not there yet; what is wrong with a point is its result.
 pub fn run(
     sweep: &Sweep,
     plan: &Plan,
@@ -85,10 +82,6 @@ pub fn run(
 
 /// Runs one point of a planned sweep, counted from 1; one that has its result already is left alone. Returns whether it
 /// could be judged.
-///
-/// # Errors
-/// [`SweepError::NoPoint`], [`SweepError::Stale`] if the point is no longer what was planned, [`SweepError::Definition`]
-/// if its file no longer is an experiment.
 pub fn run_point(
     folder: &Folder,
     number: usize,

@@ -22,9 +22,6 @@ pub struct Submission {
 
 /// Submits points, in ascending order, as job arrays. `program` is the command line that starts `aurt`; `arguments` go to
 /// `sbatch` as they are (`--partition=…`, `--time=…`, `--wait`).
-///
-/// # Errors
-/// [`SweepError::Slurm`] if `sbatch` cannot be run or refuses.
 pub fn submit(
     folder: &Folder,
     points: &[usize],

@@ -39,9 +39,6 @@ pub struct GivenModel {
 impl GivenModel {
     /// Reads a calibrated model, or the model that a URDF or MJCF file is (`.urdf`, `.xml`, `.mjcf`): its inertial parameters,
     /// friction and rotors in the geometry of the experiment, corrected by a file of `parameters`.
-    ///
-    /// # Errors
-    /// As [`CalibratedModel::read`]; a description that is wrong, has no masses or is of another arm; wrong parameters.
     pub fn read(
         path: &Path,
         ends: ChainEnds<'_>,

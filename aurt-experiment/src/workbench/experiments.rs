@@ -44,9 +44,6 @@ pub fn undone(measured: &[Vec<f64>], options: &PreprocessOptions) -> Vec<Vec<f64
 
 /// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, the same
 /// geometry under the same gravity, and drives of the same torque constants.
-///
-/// # Errors
-/// [`Failure::Argument`] if it is not.
 pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> Result<(), Failure> {
     let (ours, theirs) = (RobotJoints::of(&**calibrated.model.rigid_body()), experiment.robot.robot_joints());
     let named = !ours.names.is_empty() && !theirs.names.is_empty();

@@ -126,9 +126,6 @@ impl Exported {
     }
 
     /// Writes the files into a folder, all or none; `inputs` are what must survive. Returns their paths.
-    ///
-    /// # Errors
-    /// [`Failure::Output`] where an input, or a file that is not replaced, is in the way; what writing reports.
     pub fn write(
         &self,
         out: &OutputFolder,
@@ -227,9 +224,6 @@ const REACH: f64 = 3.0;
 const ACCELERATION: f64 = 10.0;
 
 /// The files of a target, of a model, for a robot called `name`.
-///
-/// # Errors
-/// [`Failure::Export`] for what the target cannot take.
 pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported, Failure> {
     with_source(model, name, |source, calibrated| {
         Ok(match target {
@@ -257,9 +251,6 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
 /// The dynamics of a model in the user's MuJoCo or URDF file `into`: the same file with other inertias and
 /// dynamics of joints, under another name. The robot is the chain from `base` to `tip`; without a tip the joints of the file
 /// that have the names of the model's, or all of it.
-///
-/// # Errors
-/// As [`export`]; what is wrong with the file, or that it describes another robot.
 pub fn correct(
     model: &ModelFile,
     into: &Path,

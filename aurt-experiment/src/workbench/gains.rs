@@ -28,7 +28,6 @@ pub struct DriveGains {
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
     /// `gains` of `[instrument]`, where all are determined and torques were measured.
     pub instrument_gains: Option<Vec<f64>>,
-    /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
     pub recordings: Vec<String>,
@@ -38,9 +37,6 @@ pub struct DriveGains {
 }
 
 /// Estimates gains on the calibration recordings of an experiment, whose arm term `payload` is the load.
-///
-/// # Errors
-/// What makes a recording unfit, and [`aurt_calibration::GainsError`].
 pub fn drive_gains(
     experiment: &Experiment,
     load: Option<KnownLoad>,

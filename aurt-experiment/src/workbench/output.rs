@@ -41,9 +41,6 @@ pub struct OutputFile {
 
 impl OutputFile {
     /// Checks that `path` can become a file and is none of `inputs`.
-    ///
-    /// # Errors
-    /// [`Failure::Output`] if the path is a folder, its folder does not exist, or it is an input.
     pub fn new(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
         let refuse = |reason: &str, remedy: &str| Failure::output(option, path, reason, remedy);
         if path.as_os_str().is_empty() {
@@ -77,9 +74,6 @@ impl OutputFile {
     }
 
     /// Writes the whole file or, on failure, nothing.
-    ///
-    /// # Errors
-    /// [`Failure::Library`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, contents: &[u8]) -> Result<(), Failure> {
         check_finite(&self.path, contents)?;
         Ok(write_file(&self.path, contents)?)
@@ -150,9 +144,6 @@ impl OutputFolder {
     }
 
     /// Writes all files, given by their names, or, on failure, none.
-    ///
-    /// # Errors
-    /// [`Failure::Library`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
         files.iter().try_for_each(|(name, contents)| check_finite(&self.path.join(name), contents))?;
         Ok(write_folder(&self.path, files)?)
@@ -214,9 +205,6 @@ impl Outputs {
     }
 
     /// Writes everything or, on failure, nothing.
-    ///
-    /// # Errors
-    /// [`Failure::Library`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(self) -> Result<(), Failure> {
         self.files.iter().try_for_each(|file| check_finite(&file.path, &file.contents))?;
         let within = self.new_folder.as_ref().and_then(|folder| {

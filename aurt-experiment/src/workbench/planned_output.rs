@@ -23,9 +23,6 @@ pub enum PlannedOutput {
 impl PlannedOutput {
     /// Checks that `path` can become a file, or a folder if it ends in `.lerobot`, and is none of `inputs`. A path without an
     /// ending, such as that of a device, is a table.
-    ///
-    /// # Errors
-    /// [`Failure::Output`], also for an unknown ending and for a folder with other files than a planned motion has.
     pub fn new(option: &'static str, path: &Path, inputs: &[&Path]) -> Result<Self, Failure> {
         let ending = path.extension().map(|ending| ending.to_string_lossy());
         match ending.as_deref() {
@@ -82,9 +79,6 @@ impl PlannedOutput {
     }
 
     /// Writes a motion with `rate_hz` rows per second.
-    ///
-    /// # Errors
-    /// A rate that no motion or not the format has, and [`Failure::Library`].
     pub fn write(
         &self,
         trajectory: &Trajectory,

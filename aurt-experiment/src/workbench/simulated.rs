@@ -17,10 +17,6 @@ const STAMP_TOLERANCE: f64 = 0.5;
 /// Reads a table with a header and one prediction column per joint; rows belong to those of the recording, whose time
 /// stamps are `stamps_s`. Where the table has a time column, its stamps have to be those of the recording, either as
 /// they are or counted from the first.
-///
-/// # Errors
-/// [`Failure::Table`] if columns are missing, a value is no number, the number of rows differs, or a stamp is another
-/// one than the recording's.
 pub fn read(path: &Path, joints: usize, stamps_s: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
     let table = TableFile::read(
         path,

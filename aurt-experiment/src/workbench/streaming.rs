@@ -117,11 +117,6 @@ impl TooLarge {
 }
 
 /// As [`Job::fit`]; recordings are judged, but nothing is predicted row by row.
-///
-/// # Errors
-/// As [`Job::fit`]; [`Failure::Stretches`] for what needs whole recordings: a clock that is not uniform, another
-/// rate than the recording's own, a part of a recording, shape parameters that are searched, arm terms that act in
-/// some recordings alone.
 pub fn fit_in_stretches(
     job: &Job,
     assigned: &[(Source, Role)],

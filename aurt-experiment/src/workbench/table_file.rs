@@ -29,9 +29,6 @@ pub struct Row<'t> {
 impl TableFile {
     /// Reads a table; `remedy` is what to do where it is not what is needed. Cells are separated by `;`, `,`, tabs or
     /// spaces, whichever the header has first in that order; lines that begin with `#` and blank ones are skipped.
-    ///
-    /// # Errors
-    /// [`Failure::Table`] if the file cannot be read, is empty, or two columns have one name.
     pub fn read(path: &Path, remedy: &'static str) -> Result<Self, Failure> {
         let refuse = |line, reason: String| {
             let path = path.to_owned();
@@ -89,9 +86,6 @@ impl TableFile {
 
 impl Row<'_> {
     /// The finite number in a column.
-    ///
-    /// # Errors
-    /// [`Failure::Table`] with line and column.
     pub fn number(&self, column: usize) -> Result<f64, Failure> {
         let cell = self.cells.get(column).copied().unwrap_or_default();
         let value = cell.parse::<f64>().ok().filter(|v| v.is_finite());

@@ -36,10 +36,6 @@ pub fn conceal(
 impl Plan {
     /// One case of a plan in a world of this simulator. The rough world draws lengths, rates and motions of its own; of the
     /// plan it takes robots, effects and strengths.
-    ///
-    /// # Errors
-    /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case or this simulator does not make the
-    /// world; what making it reports.
     pub fn make(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
         let requests = self.requests(seed)?;
         let request = requests.get(index).ok_or_else(|| {

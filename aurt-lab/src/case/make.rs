@@ -36,10 +36,6 @@ const GOOD_ENOUGH: f64 = 0.7;
 const CONCERNED: (f64, f64) = (0.2, 0.1);
 
 /// Makes one case of a world from its seed; the rough world's recordings have lengths and rates of their own.
-///
-/// # Errors
-/// If the request makes no sense for the robot, something refuses to be simulated, or this simulator does not make the
-/// world.
 pub fn make_case(
     world: World,
 

@@ -94,9 +94,6 @@ const MOST_DRAWS: usize = 200;
 
 impl Plan {
     /// Reads a plan; `path` is what errors call it.
-    ///
-    /// # Errors
-    /// [`SimulationError::Unreadable`] with what is wrong; unknown robots and effects with what is known.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         SimulationError::refuse_tables(path.as_ref(), text)?;
         let plan: Self =
@@ -117,9 +114,6 @@ impl Plan {
     }
 
     /// Reads a plan from a file.
-    ///
-    /// # Errors
-    /// [`SimulationError::Io`], and as [`Self::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
         let text = SimulationError::text_of(path)?;

@@ -66,9 +66,6 @@ impl Truth {
     }
 
     /// The truth as the text of its file.
-    ///
-    /// # Errors
-    /// [`SimulationError::Unreadable`] if a value has no JSON form.
     pub fn json(&self) -> Result<String, SimulationError> {
         let mut text = serde_json::to_string_pretty(self)
             .map_err(|error| SimulationError::unreadable(self.case.clone(), error.to_string()))?;

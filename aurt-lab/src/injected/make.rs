@@ -29,9 +29,6 @@ const ABSORBED: f64 = 0.5;
 
 impl InjectedWorld {
     /// The recordings as they are, in the roles that the name says.
-    ///
-    /// # Errors
-    /// [`SimulationError::Unreadable`] if there is no reference of that name.
     pub fn reference(&self, name: &str) -> Result<Case, SimulationError> {
         let split = self.splits().into_iter().find(|s| s.reference_name(&self.injection.real().name) == name);
         let split = split.ok_or_else(|| {

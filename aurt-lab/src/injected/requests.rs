@@ -65,9 +65,6 @@ impl InjectedWorld {
     /// The cases of a plan for these recordings, in an order that reveals nothing; robots of the plan do not matter. An
     /// effect that the recordings cannot have (no joint suits it, or their unit does not do) is left out where the plan
     /// asks for all effects. Nulls are distinct: each assigns the recordings to other roles, and there are at most as many.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownEffect`], or a pair that does not exist.
     pub fn requests(&self, plan: &Plan, seed: u64) -> Result<Vec<InjectedRequest>, SimulationError> {
         let mut random = Random::labelled(seed, "injected plan");
         let mut requests = Vec::new();

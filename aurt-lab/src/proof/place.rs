@@ -76,9 +76,6 @@ impl Place {
     }
 
     /// Makes the folders for a proof and writes down which it is.
-    ///
-    /// # Errors
-    /// [`Failure::Output`] if another proof is there; folders that cannot be written.
     pub fn create(&self, proof: &Proof) -> Result<(), Failure> {
         if let Some(other) = self.proof()?
             && other != *proof

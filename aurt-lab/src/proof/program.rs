@@ -8,9 +8,6 @@ use std::{
 use crate::product::Failure;
 
 /// The program that is named; without a name `aurt` in the folder of this program, else in a folder of `PATH`.
-///
-/// # Errors
-/// [`Failure::Argument`] if there is no such file.
 pub fn program(named: Option<&Path>) -> Result<PathBuf, Failure> {
     let name = format!("aurt{EXE_SUFFIX}");
     let beside = current_exe().ok().and_then(|own| Some(own.parent()?.join(&name)));

@@ -60,7 +60,6 @@ pub struct Claim {
     /// The effects, the most important first.
     #[serde(default)]
     pub effects: Vec<ClaimedEffect>,
-    /// Residuals on held-out data.
     #[serde(default)]
     pub held_out: ClaimedHeldOut,
     /// What is left beside the claims, joint by joint.

@@ -46,7 +46,6 @@ pub struct Singles {
     pub beside_class: Option<f64>,
     /// Parameters within two claimed standard deviations of the truth.
     pub coverage: Share,
-    /// Median relative error of the parameters.
     pub parameter_error: Option<f64>,
     pub window_overlap: Option<f64>,
     /// Mean share of the possible held-out improvement that was recovered, of all cases, right or wrong.

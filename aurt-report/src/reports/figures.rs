@@ -16,7 +16,6 @@ pub struct TimeFigure<'a> {
     /// Stem of the file name.
     pub name: String,
     pub caption: String,
-    /// Time of the samples, s.
     pub time_s: &'a [f64],
     /// First samples of the stretches without gaps.
     pub segment_starts: &'a [usize],

@@ -102,7 +102,6 @@ impl OwnModel {
         &self.left_rms
     }
 
-    /// The rows of a recording.
     pub fn rows_of(&self, recording: &Preprocessed) -> Result<Rows, SimulationError> {
         let joints = self.columns.joints();
         let mut rows = Rows {

@@ -13,7 +13,6 @@ pub struct Scene {
     pub motion: Smoothed,
     /// Torque of the rigid bodies as fitted, `[joint][sample]`.
     pub load: Vec<Vec<f64>>,
-    /// The rigid bodies under gravity.
     pub bodies: Arc<dyn RigidBodyRegressor>,
     /// Standard inertial parameters that give the fitted torques.
     pub standard: Vec<f64>,

@@ -17,11 +17,7 @@ pub enum ModelDrive {
     },
     /// A controller that knows the model: what the model itself needs for the motion, and a
     /// proportional–derivative loop with the damping ratio 1.
-    Follow {
-        motion: Motion,
-        /// Bandwidth of the loop, Hz.
-        bandwidth_hz: f64,
-    },
+    Follow { motion: Motion, bandwidth_hz: f64 },
 }
 
 impl ModelDrive {

@@ -18,7 +18,6 @@ pub struct Controller {
     /// Bandwidth of the loop, Hz: K_p = I ω², K_d = 2 ζ I ω with the joint's nominal inertia I at home, the
     /// other joints free.
     pub bandwidth_hz: f64,
-    /// Damping ratio ζ.
     pub damping_ratio: f64,
     /// Share of the nominal rigid-body torque that is fed forward, 0–1.
     pub feed_forward: f64,
@@ -151,13 +150,11 @@ impl TrackingLoop {
         }
     }
 
-    /// The commanded angle of a joint.
     pub fn command_rad(&self, time_s: f64, joint: usize) -> f64 {
         let node = ((time_s / self.step_s).round() as usize).min(self.nodes.len() / self.joints - 1);
         self.nodes[node * self.joints + joint][0]
     }
 
-    /// Angles at the start.
     pub fn start_rad(&self) -> Vec<f64> {
         self.nodes[..self.joints].iter().map(|n| n[0]).collect()
     }

@@ -130,7 +130,6 @@ impl Plant {
         })
     }
 
-    /// Length of the state.
     pub fn state_len(&self) -> usize {
         2 * (self.joints + self.compliant.len())
     }

@@ -59,7 +59,6 @@ pub struct Traces {
     pub evaluations: u64,
     /// Number of reversals, stops and break-aways.
     pub events: u64,
-    /// Integration step, s.
     pub step_s: f64,
 }
 
@@ -100,7 +99,6 @@ pub struct Release {
     pub start_rad_s: Vec<f64>,
     /// Torques of the drives, Nm, N entries; all 0 lets it swing.
     pub torque_nm: Vec<f64>,
-    /// How long, s.
     pub duration_s: f64,
     /// Steps of the integration within [`TRACE_STEP_S`]; as many as the fastest rate needs unless set.
     pub steps: Option<usize>,

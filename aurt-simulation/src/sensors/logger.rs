@@ -9,7 +9,6 @@ use crate::error::{Complaints, SimulationError};
 use crate::plant::{TRACE_STEP_S, Traces};
 use crate::random::Random;
 
-/// How a logger names its columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColumnNames {
@@ -28,7 +27,6 @@ pub struct Logger {
     pub rate_hz: f64,
     /// Standard deviation of the instants of sampling around the regular ones, s. Stamps tell the real ones.
     pub clock_jitter_s: f64,
-    /// Decimals of time stamps.
     pub time_decimals: usize,
     /// Decimals of angles in rad and velocities in rad/s.
     pub position_decimals: usize,
@@ -95,7 +93,6 @@ impl Logger {
         self.clock_jitter_s > 0.0 || (samples - samples.round()).abs() > 1e-9
     }
 
-    /// Records what happened.
     pub fn record(
         &self,
         traces: &Traces,

@@ -10,7 +10,6 @@ use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::Robot;
 
-/// How an excitation is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExcitationOptions {
     pub sines: MultiSineOptions,

@@ -5,7 +5,6 @@ use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::Robot;
 
-/// What a multi-sine is to be like.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MultiSineOptions {

@@ -34,7 +34,6 @@ impl Robot {
 pub(super) const SHORTEST_WAY_S: f64 = 0.2;
 
 impl Trajectory {
-    /// Angles at a time.
     #[must_use]
     pub fn pose_rad(&self, time_s: f64) -> Vec<f64> {
         let mut pose = vec![0.0; self.joints()];

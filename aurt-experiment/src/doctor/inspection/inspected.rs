@@ -71,7 +71,6 @@ impl Inspected {
         &self.loaded.source.label
     }
 
-    /// The f_dyn that suits it, Hz.
     pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
         aurt_recording::suitable_f_dyn_hz([&self.prepared])
     }

@@ -45,7 +45,6 @@ pub enum Table {
 /// What can be wrong with the reading of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reading {
-    /// Positions are degrees.
     Degrees,
     Turns,
     /// Positions are those of motors behind a gear of this ratio.

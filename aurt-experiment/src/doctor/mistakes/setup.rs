@@ -45,7 +45,6 @@ pub struct Subject {
     /// How each of them moves; empty where none follows another.
     pub couplings: Vec<Coupling>,
     pub table: Option<MdhTable>,
-    /// The name of the robot, if it is known by name.
     pub name: Option<String>,
     /// Gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
@@ -129,7 +128,6 @@ impl Subject {
         !self.recordings.iter().any(is_current)
     }
 
-    /// Names of the joints; empty where they have none.
     pub(super) fn joint_names(&self) -> &[String] {
         self.recordings.first().map_or(&[], |assigned| assigned.loaded.recording.joints.names())
     }

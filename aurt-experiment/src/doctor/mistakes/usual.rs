@@ -15,9 +15,7 @@ use super::{
 pub const EARTH_M_S2: f64 = 9.81;
 /// A gravity as large as this is left at its size.
 const EARTHLY_M_S2: [f64; 2] = [9.7, 9.9];
-/// Gear ratios of arms' drives.
 const GEAR_RATIOS: [f64; 8] = [30.0, 50.0, 80.0, 100.0, 101.0, 120.0, 160.0, 200.0];
-/// Delays that are tried, s.
 const DELAYS_S: [f64; 10] = [0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0];
 /// Ratios of rates of loggers.
 const RATES: [f64; 6] = [2.0, 0.5, 4.0, 0.25, 10.0, 0.1];

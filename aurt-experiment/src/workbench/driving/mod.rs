@@ -177,7 +177,6 @@ fn open_lines(undetermined: &[Undetermined], end: impl Fn(&Undetermined) -> Stri
 /// From this size on a limit is none.
 const UNLIMITED: f64 = 1e9;
 
-/// A number of a joint's drive by its key.
 fn number_of(joint: &DrivenJoint, key: &str) -> Option<f64> {
     joint.drive.parameters().iter().find(|p| p.parameter.name == key).map(|p| p.value)
 }

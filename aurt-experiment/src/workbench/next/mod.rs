@@ -59,7 +59,6 @@ pub struct Next {
     pub never: Vec<(Doubt, Outlook)>,
     /// Parameters of what is claimed, now and after the motion.
     pub intervals: Vec<(Subject, Vec<Interval>)>,
-    /// Names of the joints, where they have some.
     pub joint_names: Vec<String>,
     /// The expected logarithm of the ratio of likelihoods that settles a doubt with the probability `SURE`.
     sure_nats: f64,
@@ -110,7 +109,6 @@ const SHARE: f64 = 0.8;
 /// no doubt reaches the first, since a motion that helps is better than none.
 const EVER: [f64; 2] = [0.5, 0.05];
 
-/// Plans the next motion for an experiment.
 pub fn plan_next(
     experiment: &Experiment,
     registry: &Registry,

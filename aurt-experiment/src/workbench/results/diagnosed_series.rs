@@ -18,7 +18,6 @@ pub struct DiagnosedSeries {
     pub first_s: f64,
     /// The whole second from which stamps count.
     pub origin_s: f64,
-    /// Names of the joints; empty where they have none.
     pub joint_names: Vec<String>,
     pub unit: MeasurementUnit,
 }

@@ -45,7 +45,6 @@ pub struct Series {
     /// Stamps, s from `origin_s`, whole s.
     pub time_s: Vec<f64>,
     pub origin_s: f64,
-    /// Names of the joints; empty where they have none.
     pub joint_names: Vec<String>,
     pub position_rad: Vec<Vec<f64>>,
     pub quantities: Vec<(&'static str, Vec<Vec<f64>>)>,

@@ -35,10 +35,6 @@ impl Subject {
         self.model.names()
     }
 
-    /// The subject of an experiment.
-    ///
-    /// # Errors
-    /// As [`injected::plain`]; models that do not fit the robot.
     pub fn new(experiment: &Experiment) -> Result<Self, Failure> {
         let injection = Injection::new(injected::plain(experiment)?)?;
         let parts = &experiment.recordings;

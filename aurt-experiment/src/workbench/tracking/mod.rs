@@ -87,7 +87,6 @@ pub struct Alarm {
 pub struct Tracked {
     pub options: TrackOptions,
     pub parameters: Vec<DriftParameter>,
-    /// Names of the joints; empty where they have none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
     pub baseline: Baseline,
@@ -122,9 +121,6 @@ pub const STANDARD_INPUT: &str = "-";
 
 /// Follows a calibrated machine through recordings in time order. The
 /// recordings of the experiment are the unchanged machine. `said` hears of each alarm as soon as it is certain.
-///
-/// # Errors
-/// What makes a recording unfit, and [`CalibrationError::TooFewWindows`].
 pub fn track(
     experiment: &Experiment,
     calibrated: &CalibratedModel,
@@ -279,9 +275,6 @@ impl UnchangedMachine {
 
 /// The recordings in a folder, by name: files of every format but `.txt`, which notes have too, and bags that are folders
 /// themselves. A file stands for itself.
-///
-/// # Errors
-/// [`Failure::Argument`] for folders without any, or that cannot be read.
 pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in paths {
