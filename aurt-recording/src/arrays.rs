@@ -151,10 +151,7 @@ impl ArrayFile<'_> {
         };
         let holds_time = |array: &&Array| {
             let Some(name) = array.name.as_ref().map(|n| n.to_lowercase()) else { return false };
-            match &selected {
-                Some(selected) => *selected == name,
-                None => is_time_name(&name),
-            }
+            selected.as_ref().map_or_else(|| is_time_name(&name), |selected| *selected == name)
         };
         let stamps = self.arrays.iter().filter(holds_time).find_map(|a| a.axes().filter(|x| x[1] == 1));
         stamps.map(|axes| axes[0]).or_else(|| self.arrays.iter().filter_map(Array::axes).flatten().max())

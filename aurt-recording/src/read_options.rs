@@ -69,10 +69,7 @@ impl ReadOptions {
     /// The names of the joints to be read, in the robot's order; empty where nothing names them.
     pub(crate) fn joint_names(&self) -> &[String] {
         let stated = self.recorded.joint_names.as_deref();
-        match &self.joints {
-            Some(robot) => robot.wanted(stated),
-            None => stated.unwrap_or_default(),
-        }
+        self.joints.as_ref().map_or_else(|| stated.unwrap_or_default(), |robot| robot.wanted(stated))
     }
 
     /// The joints of series that are in the order of [`Self::joint_names`], or, without any, those of `found`.

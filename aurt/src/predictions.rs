@@ -59,12 +59,9 @@ impl Place {
             if *first <= stamp_s && stamp_s <= *last {
                 let next = prediction.time_s.partition_point(|t| *t <= stamp_s);
                 let sample = next - 1;
-                let share = match prediction.time_s.get(next) {
-                    Some(after) => {
-                        (stamp_s - prediction.time_s[sample]) / (after - prediction.time_s[sample])
-                    }
-                    None => 0.0,
-                };
+                let share = prediction.time_s.get(next).map_or(0.0, |after| {
+                    (stamp_s - prediction.time_s[sample]) / (after - prediction.time_s[sample])
+                });
                 return Some(Self { segment, sample, share });
             }
             let (distance, sample) = if stamp_s < *first {

@@ -45,12 +45,9 @@ impl DriveRecording {
         if !series().chain([&self.time_s]).flatten().all(|v| v.is_finite()) {
             return fail("a value is not finite".into());
         }
-        match self.time_s.windows(2).position(|w| w[1] <= w[0]) {
-            Some(k) => {
-                fail(format!("the stamp {} s does not follow {} s", self.time_s[k + 1], self.time_s[k]))
-            }
-            None => Ok(()),
-        }
+        self.time_s.windows(2).position(|w| w[1] <= w[0]).map_or(Ok(()), |k| {
+            fail(format!("the stamp {} s does not follow {} s", self.time_s[k + 1], self.time_s[k]))
+        })
     }
 
     /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity; whole without.

@@ -167,8 +167,5 @@ fn check_invariant(
         }
         other => of_motion(other, term.invariants(), seed, recording, whole, &over)?,
     };
-    match detail {
-        Some(detail) => Err(Violation::Invariant { model: term.name().into(), invariant, detail }),
-        None => Ok(()),
-    }
+    detail.map_or(Ok(()), |detail| Err(Violation::Invariant { model: term.name().into(), invariant, detail }))
 }

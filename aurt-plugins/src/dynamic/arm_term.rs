@@ -63,12 +63,9 @@ impl ArmTerm for LibraryTerm {
             };
             fault.complaints(&self.instance.config).into_iter().map(complaint).collect::<Vec<_>>()
         })?;
-        match described.joints.iter().find(|j| **j >= robot_joints) {
-            Some(beyond) => Err(vec![
-                self.instance.failed(format!("it acts on joint {beyond} of a robot of {robot_joints}")),
-            ]),
-            None => Ok(()),
-        }
+        described.joints.iter().find(|j| **j >= robot_joints).map_or(Ok(()), |beyond| {
+            Err(vec![self.instance.failed(format!("it acts on joint {beyond} of a robot of {robot_joints}"))])
+        })
     }
 
     fn shape_parameters(&self) -> Vec<ShapeParameter> {

@@ -38,10 +38,7 @@ impl Spill {
     }
 
     pub(super) fn finish(&mut self) -> io::Result<()> {
-        match self.writer.take() {
-            Some(mut writer) => writer.flush(),
-            None => Ok(()),
-        }
+        self.writer.take().map_or(Ok(()), |mut writer| writer.flush())
     }
 
     /// Some rows, column after column.
