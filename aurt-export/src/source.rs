@@ -53,7 +53,6 @@ pub struct Export {
 
 impl Provenance {
     /// Lines that state it.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let by = self.aurt_version.as_ref().map_or_else(String::new, |v| format!(", aurt {v}"));
         let mut lines = vec![
@@ -68,7 +67,6 @@ impl Provenance {
 }
 
 /// Whether a text states that it is an export.
-#[must_use]
 pub fn is_export(text: &str) -> bool {
     text.contains(WRITTEN_BY) || text.contains(HASH)
 }

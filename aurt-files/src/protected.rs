@@ -38,7 +38,6 @@ pub(crate) fn is_known(metadata: &Metadata) -> bool {
 }
 
 /// Whether a path, by this name or another, leads to a file that this process has read.
-#[must_use]
 pub fn is_input(path: &Path) -> bool {
     let identity_of = |path: &Path| fs::metadata(path).ok().and_then(|metadata| identity(path, &metadata));
     let Some(identity) = identity_of(path) else { return false };

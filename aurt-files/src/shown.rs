@@ -12,7 +12,6 @@ pub const MOST_QUOTED: usize = 80;
 /// assert_eq!(aurt_files::clipped("1.5\u{1b}[2J"), "1.5\\u{1b}[2J");
 /// assert_eq!(aurt_files::clipped(&"9".repeat(1000)), format!("{}… ({} bytes in all)", "9".repeat(80), 1000));
 /// ```
-#[must_use]
 pub fn clipped(text: &str) -> String {
     let end = text.char_indices().nth(MOST_QUOTED).map_or(text.len(), |(at, _)| at);
     let mut shown = String::with_capacity(end);
@@ -30,7 +29,6 @@ pub fn clipped(text: &str) -> String {
 }
 
 /// A path as experiments write it: every `$` doubled, so that it stands for itself.
-#[must_use]
 pub fn escaped(path: &str) -> String {
     path.replace('$', "$$")
 }
@@ -38,7 +36,6 @@ pub fn escaped(path: &str) -> String {
 /// Whether a terminal obeys a character rather than showing it, shows it so that other text seems to stand elsewhere, or shows
 /// nothing, so that two names look alike: all controls but line feed and tab, the controls of writing direction (Unicode's
 /// `Bidi_Control`), spaces without width and separators of lines.
-#[must_use]
 pub fn is_harmful(c: char) -> bool {
     let direction =
         matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
@@ -51,7 +48,6 @@ pub fn is_harmful(c: char) -> bool {
 /// ```
 /// assert_eq!(aurt_files::harmless("a\u{1b}[8mb\u{202e}c"), "a\\u{1b}[8mb\\u{202e}c");
 /// ```
-#[must_use]
 pub fn harmless(text: &str) -> Cow<'_, str> {
     if !text.contains(is_harmful) {
         return Cow::Borrowed(text);
@@ -73,7 +69,6 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
 }
 
 /// A JSON document of the same value without harmful characters: they can only stand in its texts, where each has an escape.
-#[must_use]
 pub fn harmless_json(document: &str) -> Cow<'_, str> {
     if !document.contains(is_harmful) {
         return Cow::Borrowed(document);

@@ -11,7 +11,6 @@ const MOST: usize = 500;
 /// The known name that `written` most probably stands for, if any is close; of equals the first.
 ///
 /// Beside mistyped letters this catches a name written without its unit (`gravity` for `gravity_m_s2`).
-#[must_use]
 pub fn likely<'k>(written: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     if written.chars().count() > LONGEST {
         return None;
@@ -39,7 +38,6 @@ fn similarity(written: &str, name: &str) -> f64 {
 /// Help that names the likely and all known names: "did you mean `a`? known: `a`, `b`".
 ///
 /// `what` names the known things ("models of this slot", "keys").
-#[must_use]
 pub fn help<'k>(written: &str, what: &str, known: impl IntoIterator<Item = &'k str>) -> String {
     let mut known: Vec<&str> = known.into_iter().collect();
     known.sort_unstable();

@@ -9,7 +9,6 @@ pub const MOST_TABLES: usize = 4000;
 /// ```
 /// assert_eq!(aurt_files::table_beyond("[robot]\nname = \"ur10e\"\n"), None);
 /// ```
-#[must_use]
 pub fn table_beyond(text: &str) -> Option<usize> {
     let (mut tables, mut at) = (0, 0);
     for line in text.split_inclusive('\n') {

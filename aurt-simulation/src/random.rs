@@ -14,14 +14,12 @@ pub struct Random {
 }
 
 impl Random {
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { generator: Xoshiro256PlusPlus::seed_from_u64(seed), spare: None }
     }
 
     /// The stream of a seed for one purpose: streams of different labels are independent, so that a change
     /// in what one part draws does not move the others.
-    #[must_use]
     pub fn labelled(seed: u64, label: &str) -> Self {
         // FNV-1a over the label.
         let hash = label.bytes().fold(0xCBF2_9CE4_8422_2325_u64, |hash, byte| {

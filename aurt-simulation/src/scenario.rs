@@ -36,7 +36,6 @@ pub struct Scenario {
 
 impl Scenario {
     /// A scenario without effects, with the default controller and logger and the robot's own sensors.
-    #[must_use]
     pub fn new(robot: Robot, trajectory: Trajectory, seed: u64) -> Self {
         Self {
             robot,

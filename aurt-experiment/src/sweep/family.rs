@@ -13,7 +13,6 @@ const FREE_SECTIONS: [&str; 3] = ["joint_dynamics", "arm_terms", "plugins"];
 /// The same within `[calibration]`; `rest` chooses rows.
 const FREE_KEYS: [&str; 3] = ["estimator", "load_torque", "fit_shapes"];
 
-#[must_use]
 pub(crate) fn common_part(text: &str) -> String {
     let Ok(mut document) = toml::from_str::<Table>(text) else { return text.to_owned() };
     for section in FREE_SECTIONS {

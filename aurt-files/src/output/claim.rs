@@ -312,7 +312,6 @@ pub fn clear_unfinished(folder: &Path) {
 
 /// The folders in which this process has removed what killed processes had left, each with the number of claims; nothing of
 /// what an earlier call has returned.
-#[must_use]
 pub fn take_cleared() -> BTreeMap<PathBuf, usize> {
     std::mem::take(&mut *lock(&CLEARED))
 }

@@ -301,7 +301,6 @@ impl Publishing {
 
 /// Removes everything that is being written and lets nothing be published any more; for the end of an interrupted
 /// command, once: a second call waits for ever. Returns how many files had been written whole before.
-#[must_use]
 pub fn abandon() -> usize {
     // Kept for good: whoever publishes from now on waits until the process ends.
     std::mem::forget(publishing());

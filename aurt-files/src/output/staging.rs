@@ -37,7 +37,6 @@ impl StagedFolder {
     }
 
     /// Where it is.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -130,7 +129,6 @@ pub(crate) fn write_special(path: &Path, contents: &[u8]) -> Result<(), WriteErr
 
 /// Whether a path is a device, a pipe, or a name for something that the system keeps open (`/dev/stdout`,
 /// `/proc/self/fd/1`): what it leads to may have another name or none, and is written to as it is.
-#[must_use]
 pub fn is_special(path: &Path) -> bool {
     is_of_the_system(path) || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
@@ -144,7 +142,6 @@ fn is_of_the_system(path: &Path) -> bool {
 
 /// Whether a path is a pipe that was made with a name (`mkfifo`).
 #[cfg(unix)]
-#[must_use]
 pub fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;
     fs::metadata(path).is_ok_and(|found| found.file_type().is_fifo()) && !is_of_the_system(path)
@@ -152,7 +149,6 @@ pub fn is_named_pipe(path: &Path) -> bool {
 
 /// Only Unix has them in folders.
 #[cfg(not(unix))]
-#[must_use]
 pub fn is_named_pipe(_path: &Path) -> bool {
     false
 }

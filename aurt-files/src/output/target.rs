@@ -6,7 +6,6 @@ use std::{
 };
 
 /// The folder that a path lies in; the current one for a bare name.
-#[must_use]
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -14,7 +14,6 @@ const LARGEST_RAD: f64 = 0.6;
 
 impl BaseTilt {
     /// What gravity becomes in the base frame.
-    #[must_use]
     pub fn tilted(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let (sr, cr) = (libm::sin(self.roll_rad), libm::cos(self.roll_rad));
         let (sp, cp) = (libm::sin(self.pitch_rad), libm::cos(self.pitch_rad));

@@ -7,7 +7,6 @@ use super::{CATALOGUE, Effect, EffectKind};
 use crate::error::SimulationError;
 
 /// All effects of the vocabulary, by identifier.
-#[must_use]
 pub const fn catalogue() -> &'static [EffectKind] {
     CATALOGUE
 }

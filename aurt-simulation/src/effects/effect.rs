@@ -67,7 +67,6 @@ pub enum Factor<'a> {
 }
 
 impl Factor<'_> {
-    #[must_use]
     pub fn on(&self, joint: usize) -> f64 {
         match self {
             Self::Uniform(factor) => *factor,
@@ -130,7 +129,6 @@ pub fn check_values(
 }
 
 /// Two effects that cannot act on one joint together.
-#[must_use]
 pub fn conflict(first: &str, second: &str, joint: usize, reason: &str) -> SimulationError {
     SimulationError::Conflict { first: first.into(), second: second.into(), joint, reason: reason.into() }
 }

@@ -113,7 +113,6 @@ pub struct EffectKind {
 
 impl EffectKind {
     /// Joints for an effect of this kind.
-    #[must_use]
     pub fn choose_joints(&self, robot: &Robot, random: &mut Random) -> Vec<usize> {
         let joints = robot.joints();
         let mut all: Vec<usize> = (0..joints).filter(|j| (self.suits)(robot, *j)).collect();
@@ -135,7 +134,6 @@ impl EffectKind {
     }
 
     /// Whether the robot has joints for an effect of this kind.
-    #[must_use]
     pub fn fits(&self, robot: &Robot) -> bool {
         let suited = (0..robot.joints()).filter(|j| (self.suits)(robot, *j)).count();
         match self.takes {
@@ -145,7 +143,6 @@ impl EffectKind {
     }
 
     /// An effect of this kind, of medium strength as far as that can be said beforehand.
-    #[must_use]
     pub fn draw(&self, context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         (self.draw)(context, random)
     }
@@ -166,14 +163,12 @@ impl EffectKind {
     }
 
     /// Whether the effect concerns all joints at once.
-    #[must_use]
     pub fn whole_arm(&self) -> bool {
         self.takes == Takes::All
     }
 }
 
 /// Whether a joint's friction does not depend on the load by itself.
-#[must_use]
 pub fn constant_level(robot: &Robot, joint: usize) -> bool {
     robot.drives[joint].load_coefficient == 0.0
 }

@@ -14,7 +14,6 @@ pub struct Payload {
 }
 
 impl Payload {
-    #[must_use]
     pub fn body(&self) -> LinkBody {
         let [a, b, c] = self.edges_m.map(|edge| edge * edge / 12.0);
         let m = self.mass_kg;

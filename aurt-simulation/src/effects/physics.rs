@@ -176,7 +176,6 @@ impl<P: Physics> Effect for P {
 }
 
 impl EffectKind {
-    #[must_use]
     pub const fn of<P: Physics>() -> Self {
         Self {
             identifier: P::IDENTIFIER,

@@ -29,7 +29,6 @@ const DISTANCES_RAD: (f64, f64) = (1e-4, 0.12);
 
 impl PreslidingHysteresis {
     /// The bristle of a joint whose dry friction has a level.
-    #[must_use]
     pub fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
         match self.model {
             BristleModel::Lugre => Box::new(LuGre {

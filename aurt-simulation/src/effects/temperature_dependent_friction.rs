@@ -20,7 +20,6 @@ const WARMING_K: f64 = 15.0;
 
 impl TemperatureDependentFriction {
     /// How the friction of a drive falls as it warms up.
-    #[must_use]
     pub fn warmth(&self, drive: &Drive, fall_per_k: f64) -> Warmth {
         let speed = 0.5 * drive.velocity_limit_rad_s;
         let power = (drive.coulomb_nm + drive.viscous_nm_s * speed) * speed;

@@ -46,17 +46,14 @@ impl StructureColumns {
         Ok(Self { standard: robot.standard_parameters(), ..columns })
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.rows.len()
     }
 
-    #[must_use]
     pub const fn coefficients(&self) -> usize {
         self.coefficients
     }
 
-    #[must_use]
     pub fn row(&self, joint: usize) -> &[usize] {
         &self.rows[joint]
     }
@@ -81,7 +78,6 @@ impl StructureColumns {
     }
 
     /// The entries of each joint's row: `[joint][entry][sample]`.
-    #[must_use]
     pub fn evaluate(&self, motion: MotionView<'_>) -> Vec<Vec<Vec<f64>>> {
         let (joints, samples) = (self.rows.len(), motion.samples());
         let parameters = self.standard.len();
@@ -127,7 +123,6 @@ impl StructureColumns {
     }
 
     /// Residual of a joint's measurement; `entries` are those of the joint's row.
-    #[must_use]
     pub fn left_over(
         &self,
         joint: usize,

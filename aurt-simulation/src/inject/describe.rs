@@ -16,7 +16,6 @@ pub struct SizeName {
 
 impl Added {
     /// What [`Added::size`] is.
-    #[must_use]
     pub const fn size_name(&self, unit: MeasurementUnit) -> SizeName {
         let nm = matches!(unit, MeasurementUnit::NewtonMetre);
         let torque = if nm { "Nm" } else { "A" };
@@ -59,7 +58,6 @@ impl Added {
     }
 
     /// [`Added::size`] in the unit of [`Self::size_name`].
-    #[must_use]
     pub fn size_shown(&self) -> f64 {
         match self.size_name(MeasurementUnit::NewtonMetre).unit {
             "%" => 100.0 * self.size,
@@ -70,7 +68,6 @@ impl Added {
     }
 
     /// Parameters under their canonical names, where the law has them; `scene` gives the robot's own friction.
-    #[must_use]
     pub fn parameters(&self, scene: &Scene) -> Vec<(String, Vec<f64>)> {
         let (coulomb, viscous) = (scene.coulomb[self.joint], scene.viscous[self.joint]);
         let signed = self.signed();
@@ -113,7 +110,6 @@ impl Added {
     }
 
     /// The joints whose physics it is; none for effects of the whole arm.
-    #[must_use]
     pub fn own_joints(&self, whole_arm: bool) -> Vec<usize> {
         match &self.law {
             Law::JointCouplingFriction { partner, .. } => {

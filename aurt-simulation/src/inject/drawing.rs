@@ -16,7 +16,6 @@ fn log_between(random: &mut Random, low: f64, high: f64) -> f64 {
 
 impl Injection {
     /// Whether an effect can be on a joint so that the recordings may show it.
-    #[must_use]
     pub fn suits(&self, kind: &Kind, joint: usize) -> bool {
         let (figures, left) = (&self.figures[joint], self.model.left_rms()[joint]);
         let moves = figures.velocity_rad_s > STANDS_RAD_S && left > 0.0;

@@ -11,7 +11,6 @@ pub struct Gram {
 const RIDGE: f64 = 1e-11;
 
 impl Gram {
-    #[must_use]
     pub fn new(coefficients: usize) -> Self {
         Self { matrix: DMatrix::zeros(coefficients, coefficients), right: DVector::zeros(coefficients) }
     }
@@ -41,7 +40,6 @@ impl Gram {
         }
     }
 
-    #[must_use]
     pub fn solve(&self) -> Vec<f64> {
         let n = self.right.len();
         let scale: Vec<f64> = (0..n)
@@ -62,7 +60,6 @@ impl Gram {
     }
 }
 
-#[must_use]
 pub fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64
 }

@@ -68,23 +68,19 @@ impl Injection {
         })
     }
 
-    #[must_use]
     pub const fn real(&self) -> &RealExperiment {
         &self.real
     }
 
     /// What the experiment's own structure makes of the recordings as they are.
-    #[must_use]
     pub const fn model(&self) -> &OwnModel {
         &self.model
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.figures.len()
     }
 
-    #[must_use]
     pub fn recorded(&self) -> &[Recorded] {
         &self.recorded
     }

@@ -102,21 +102,18 @@ impl Kind {
     }
 
     /// Whether it can be added to measurements of this unit.
-    #[must_use]
     pub fn fits(&self, unit: MeasurementUnit) -> bool {
         !self.needs_torque || unit == MeasurementUnit::NewtonMetre
     }
 }
 
 /// Identifiers of the vocabulary that can be added to recordings measured in `unit`.
-#[must_use]
 pub fn injectable(unit: MeasurementUnit) -> Vec<&'static str> {
     let fits = |name: &&str| unit == MeasurementUnit::NewtonMetre || !OF_SEVERAL_JOINTS.contains(name);
     KNOWN.into_iter().filter(fits).collect()
 }
 
 /// Identifiers outside the vocabulary that can be added.
-#[must_use]
 pub fn unknown_injectable() -> Vec<&'static str> {
     UNKNOWN.iter().map(|k| k.0).collect()
 }

@@ -145,13 +145,11 @@ pub struct Added {
 
 impl Added {
     /// The same effect of another size.
-    #[must_use]
     pub fn of_size(&self, size: f64) -> Self {
         Self { size, ..self.clone() }
     }
 
     /// Whether what is added is in proportion to the size.
-    #[must_use]
     pub const fn is_linear(&self) -> bool {
         !matches!(
             self.law,
@@ -166,13 +164,11 @@ impl Added {
     }
 
     /// Whether it takes rows away and adds no torque.
-    #[must_use]
     pub const fn is_loss_of_rows(&self) -> bool {
         matches!(self.law, Law::DroppedSamples { .. })
     }
 
     /// Whether it is confined to a window of one recording.
-    #[must_use]
     pub const fn is_local(&self) -> bool {
         matches!(self.law, Law::ExternalContact { .. })
     }

@@ -97,7 +97,6 @@ impl OwnModel {
 
     /// Root mean square of what the structure leaves of all recordings after the usual filters, per joint: the unit of
     /// an injected effect's strength.
-    #[must_use]
     pub fn left_rms(&self) -> &[f64] {
         &self.left_rms
     }
@@ -124,7 +123,6 @@ impl OwnModel {
     }
 
     /// Least squares on recordings with the given measurement, `[recording, joint]`, joints weighted by what was left.
-    #[must_use]
     pub fn fitted<'a>(
         &self,
         recordings: &[&Rows],
@@ -141,7 +139,6 @@ impl OwnModel {
     }
 
     /// Residual of a joint's measurement.
-    #[must_use]
     pub fn left_over(&self, rows: &Rows, measured: &[f64], joint: usize, coefficients: &[f64]) -> Vec<f64> {
         self.columns.left_over(joint, &rows.columns[joint], measured, coefficients)
     }

@@ -85,7 +85,6 @@ pub struct Structure {
 
 impl Structure {
     /// What the robot has by itself.
-    #[must_use]
     pub fn of(robot: &Robot) -> Self {
         let joints = robot
             .drives

@@ -40,12 +40,10 @@ impl Scene {
         })
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.motion.joints()
     }
 
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.motion.samples()
     }

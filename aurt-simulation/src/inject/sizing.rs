@@ -27,7 +27,6 @@ const LARGEST_SHARE: f64 = 0.5;
 const CORRECTIONS: usize = 8;
 impl Injection {
     /// A shape drawn for an effect on a joint; nothing where the joint does not suit it.
-    #[must_use]
     pub fn shaped(&self, kind: &Kind, joint: usize, random: &mut Random) -> Option<Added> {
         (kind.fits(self.real.unit) && self.suits(kind, joint)).then(|| self.draw(kind, joint, random))
     }

@@ -107,12 +107,10 @@ impl Smoothed {
         })
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.position_rad.len()
     }
 
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.time_s.len()
     }

@@ -33,7 +33,6 @@ const MOST_ASSIGNMENTS: usize = 1000;
 impl Split {
     /// The splits of so many recordings: each recording in turn is the first to calibrate. Of three or more, one is held
     /// out; one is the target of changes, of five or more two.
-    #[must_use]
     pub fn all(recordings: usize, presence: Presence) -> Vec<Self> {
         let Some((targets, held_out)) = role_counts(recordings, presence) else { return Vec::new() };
         (0..recordings.min(MOST_SPLITS))
@@ -53,7 +52,6 @@ impl Split {
 
     /// The assignments of so many recordings to the roles of a change, each once; of many recordings the first thousand.
     /// Recordings keep their order within a role.
-    #[must_use]
     pub fn assignments(recordings: usize) -> Vec<Self> {
         let Some((targets, held_out)) = role_counts(recordings, Presence::Changed) else { return Vec::new() };
         let without = |all: &[usize], taken: &[usize]| -> Vec<usize> {
@@ -80,7 +78,6 @@ impl Split {
     }
 
     /// Whether each recording has the same role in both.
-    #[must_use]
     pub fn has_roles_of(&self, other: &Self) -> bool {
         let sorted = |list: &[usize]| {
             let mut list = list.to_vec();
@@ -94,7 +91,6 @@ impl Split {
     }
 
     /// Name of the unaltered recordings in these roles.
-    #[must_use]
     pub fn reference_name(&self, robot: &str) -> String {
         let presence = match self.presence {
             Presence::Changed => "changed",
@@ -104,7 +100,6 @@ impl Split {
     }
 
     /// The recordings in the order of a case's files, each with whether an effect is in it.
-    #[must_use]
     pub fn files(&self) -> Vec<(usize, bool)> {
         let all = self.presence == Presence::All;
         let calibration = self.calibration.iter().map(|k| (*k, all));

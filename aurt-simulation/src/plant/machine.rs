@@ -185,7 +185,6 @@ pub struct Machine {
 
 impl Machine {
     /// The robot as it stands: Coulomb, viscous and load-dependent friction, rigid gears.
-    #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let joints = robot
             .drives

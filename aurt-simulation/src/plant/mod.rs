@@ -63,7 +63,6 @@ pub struct Traces {
 }
 
 impl Traces {
-    #[must_use]
     pub fn time_s(&self, sample: usize) -> f64 {
         sample as f64 * TRACE_STEP_S
     }

@@ -97,14 +97,12 @@ impl Robot {
     }
 
     /// All robots of this crate, smallest first.
-    #[must_use]
     pub fn all() -> Vec<Self> {
         vec![two_link(), ur5e(), ur10e(), tx40(), panda()]
     }
 
     /// A robot of which only geometry and limits are known: enough to plan motions for it, and no more. Its links
     /// are balls of 1 kg, its torque limits endless for practical purposes.
-    #[must_use]
     pub fn of_geometry(
         name: &str,
         mdh: Vec<MdhRow>,
@@ -142,14 +140,12 @@ impl Robot {
 
     /// A robot of which nothing but the limits is known, for motions whose rigid bodies are elsewhere
     /// ([`excite`](crate::trajectory::excite)).
-    #[must_use]
     pub fn of_limits(name: &str, limits: &[MotionLimits]) -> Self {
         let (kind, [alpha_rad, a_m, d_m, theta_offset_rad]) = (JointKind::Revolute, [0.0; 4]);
         let row = MdhRow { kind, alpha_rad, a_m, d_m, theta_offset_rad, sign: 1.0 };
         Self::of_geometry(name, vec![row; limits.len()], [0.0; 3], limits)
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.drives.len()
     }
@@ -161,7 +157,6 @@ impl Robot {
     }
 
     /// The links' 10 N standard inertial parameters {XX XY XZ YY YZ ZZ mX mY mZ m}.
-    #[must_use]
     pub fn standard_parameters(&self) -> Vec<f64> {
         self.links.iter().flat_map(LinkBody::standard_parameters).collect()
     }
@@ -194,7 +189,6 @@ impl Robot {
     }
 
     /// The geometry as `mdh.csv`: header `alpha,a,d`, row j with the alpha and a that lead on to joint j + 1.
-    #[must_use]
     pub fn mdh_csv(&self) -> String {
         let mut text = String::from("alpha,a,d\n");
         for row in &self.mdh {
@@ -279,7 +273,6 @@ macro_rules! described {
     ($($(#[$doc:meta])* $name:ident)+) => {
         $(
             $(#[$doc])*
-            #[must_use]
             pub fn $name() -> Robot {
                 // The file is part of the program, and a test reads it.
                 Described::read(stringify!($name), include_str!(concat!(stringify!($name), ".toml"))).expect("a robot")

@@ -40,7 +40,6 @@ pub(super) enum Fate {
 
 impl ClockFaults {
     /// Whether there are none.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }

@@ -46,7 +46,6 @@ pub struct Instrument {
 
 impl Instrument {
     /// The robot's own sensors, without error but noise and resolution.
-    #[must_use]
     pub fn of(robot: &Robot) -> Self {
         let channels = robot
             .drives
@@ -68,7 +67,6 @@ impl Instrument {
     }
 
     /// Sensors without noise and with endless resolution.
-    #[must_use]
     pub fn ideal(robot: &Robot) -> Self {
         let mut instrument = Self::of(robot);
         for channel in &mut instrument.channels {
@@ -82,7 +80,6 @@ impl Instrument {
     }
 
     /// What the sensors would show of a drive torque if they had no noise, Nm.
-    #[must_use]
     pub fn noise_free_nm(&self, joint: usize, torque_nm: f64) -> f64 {
         let channel = &self.channels[joint];
         let limit = channel.saturation_nm;

@@ -234,7 +234,6 @@ fn cubic_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
 }
 
 /// A series of traces at a time, joined linearly; its ends beyond them.
-#[must_use]
 pub fn linear_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
     let (sample, x) = place(traces, time_s);
     let (here, next) = (sample * traces.joints + joint, (sample + 1) * traces.joints + joint);
@@ -251,13 +250,11 @@ impl SimulatedRecording {
         self.measurement.extend_from_slice(&row.measurement);
     }
 
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.time_s.len()
     }
 
     /// The names of the columns, in order.
-    #[must_use]
     pub fn header(&self) -> Vec<String> {
         let (time, position, velocity, measurement) = match (self.logger.names, self.unit) {
             (ColumnNames::Actual, MeasurementUnit::Ampere) => {
@@ -277,7 +274,6 @@ impl SimulatedRecording {
     }
 
     /// The recording as the text of a CSV file.
-    #[must_use]
     pub fn csv(&self) -> Vec<u8> {
         let mut text = Vec::with_capacity(self.rows() * (3 * self.joints + 1) * 11);
         text.extend_from_slice(self.header().join(",").as_bytes());

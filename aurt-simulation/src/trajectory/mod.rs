@@ -137,12 +137,10 @@ impl Trajectory {
         Self(Arc::new(path))
     }
 
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.0.joints()
     }
 
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.0.duration_s()
     }

@@ -19,7 +19,6 @@ struct Way {
 impl Robot {
     /// Shortest time of a move between two poses, all joints starting and stopping together, that uses a share of the limits of
     /// velocity and acceleration, s; at least `least_s`.
-    #[must_use]
     pub fn travel_s(&self, share: f64, from_rad: &[f64], to_rad: &[f64], least_s: f64) -> f64 {
         self.drives.iter().zip(from_rad.iter().zip(to_rad)).fold(least_s, |slowest, (d, (a, b))| {
             let distance = (b - a).abs();
@@ -34,7 +33,6 @@ impl Robot {
 pub(super) const SHORTEST_WAY_S: f64 = 0.2;
 
 impl Trajectory {
-    #[must_use]
     pub fn pose_rad(&self, time_s: f64) -> Vec<f64> {
         let mut pose = vec![0.0; self.joints()];
         let mut still = [vec![0.0; pose.len()], vec![0.0; pose.len()]];
@@ -44,7 +42,6 @@ impl Trajectory {
     }
 
     /// Motions of a robot one after the other; the ways between them use a share of its limits of velocity and acceleration.
-    #[must_use]
     pub fn sequence(robot: &Robot, share: f64, parts: Vec<Self>) -> Self {
         let way = |pair: &[Self]| {
             let (from_rad, to_rad) = (pair[0].pose_rad(pair[0].duration_s()), pair[1].pose_rad(0.0));

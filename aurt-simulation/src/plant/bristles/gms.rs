@@ -21,7 +21,6 @@ pub struct Gms {
 impl Gms {
     /// Elements that slide one after the other: `displacements_rad` at which they do, for the given level and
     /// shares.
-    #[must_use]
     pub fn from_displacements(level_nm: f64, displacements_rad: &[f64], share: &[f64]) -> Self {
         let stiffness = share.iter().zip(displacements_rad).map(|(a, d)| a * level_nm / d).collect();
         Self { stiffness_nm_rad: stiffness, share: share.to_vec(), attraction_nm_s: 50.0 * level_nm }
