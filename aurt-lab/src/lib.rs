@@ -9,6 +9,9 @@
 
 #![expect(missing_docs, reason = "nothing imports it; names that say all need no sentence")]
 
+#[macro_use]
+mod word;
+
 pub mod case;
 pub mod commands;
 pub mod effects;

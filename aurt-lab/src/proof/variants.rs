@@ -6,21 +6,22 @@ use toml_edit::{Array, DocumentMut, Item, TableLike, TomlError, Value, table, va
 
 use crate::product::Failure;
 
-/// A case in which the robot, and what is concealed in it, are the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Variant {
-    /// Half the band that the diagnosis took, asked for by `[diagnosis] f_dyn_hz`.
-    FDynHalved,
-    /// Twice that band.
-    FDynDoubled,
-    /// The recordings of each role are listed in the opposite order.
-    OtherOrder,
-    /// Every second row of the recordings.
-    HalfRate,
-    Degrees,
-    /// Every second recording outside the targets, from the first; no targets.
-    FirstHalf,
-    SecondHalf,
+words! {
+    /// A case in which the robot, and what is concealed in it, are the same.
+    Variant {
+        /// Half the band that the diagnosis took, asked for by `[diagnosis] f_dyn_hz`.
+        FDynHalved = "f_dyn_halved",
+        /// Twice that band.
+        FDynDoubled = "f_dyn_doubled",
+        /// The recordings of each role are listed in the opposite order.
+        OtherOrder = "other_order",
+        /// Every second row of the recordings.
+        HalfRate = "half_rate",
+        Degrees = "degrees",
+        /// Every second recording outside the targets, from the first; no targets.
+        FirstHalf = "first_half",
+        SecondHalf = "second_half",
+    }
 }
 
 const EXPERIMENT: &str = "experiment.toml";
@@ -37,28 +38,6 @@ type NamedFiles = Vec<(String, Vec<u8>)>;
 type Unfit = &'static str;
 
 impl Variant {
-    pub const ALL: [Self; 7] = [
-        Self::FDynHalved,
-        Self::FDynDoubled,
-        Self::OtherOrder,
-        Self::HalfRate,
-        Self::Degrees,
-        Self::FirstHalf,
-        Self::SecondHalf,
-    ];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::FDynHalved => "f_dyn_halved",
-            Self::FDynDoubled => "f_dyn_doubled",
-            Self::OtherOrder => "other_order",
-            Self::HalfRate => "half_rate",
-            Self::Degrees => "degrees",
-            Self::FirstHalf => "first_half",
-            Self::SecondHalf => "second_half",
-        }
-    }
-
     /// Whether it is a part of the case, to be compared with the other part.
     pub const fn is_half(self) -> bool {
         matches!(self, Self::FirstHalf | Self::SecondHalf)

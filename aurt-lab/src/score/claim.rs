@@ -1,28 +1,28 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::Value;
 
 use aurt_simulation::SimulationError;
 
 use super::share::Share;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Answer {
-    NoMismatch,
-    Named,
-    /// One of a class, of programs that have a word for it.
-    Ambiguous,
-    /// What is named is missing, and something beside it.
-    PartlyExplained,
-    /// Something is missing that has no name.
-    Unexplained,
-    /// Nothing is missing in the fitted recordings; the held-out ones differ from them.
-    HeldOutDiffers,
-    /// The diagnosis gave no verdict.
-    Failed,
+words! {
+    Answer {
+        NoMismatch = "no_mismatch",
+        Named = "named",
+        /// One of a class, of programs that have a word for it.
+        Ambiguous = "ambiguous",
+        /// What is named is missing, and something beside it.
+        PartlyExplained = "partly_explained",
+        /// Something is missing that has no name.
+        Unexplained = "unexplained",
+        /// Nothing is missing in the fitted recordings; the held-out ones differ from them.
+        HeldOutDiffers = "held_out_differs",
+        /// The diagnosis gave no verdict.
+        Failed = "failed",
+    }
 }
 
 impl Answer {
@@ -33,18 +33,6 @@ impl Answer {
     /// Whether the answer says that something is missing beside what has a name.
     pub const fn leaves_something(self) -> bool {
         matches!(self, Self::PartlyExplained | Self::Unexplained | Self::HeldOutDiffers)
-    }
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NoMismatch => "no_mismatch",
-            Self::Named => "named",
-            Self::Ambiguous => "ambiguous",
-            Self::PartlyExplained => "partly_explained",
-            Self::Unexplained => "unexplained",
-            Self::HeldOutDiffers => "held_out_differs",
-            Self::Failed => "failed",
-        }
     }
 }
 

@@ -8,34 +8,19 @@ use serde_json::Value;
 use super::{Kind, mistakes::tells, setup::Setup};
 use crate::product::{Failure, OutputFolder};
 
-/// How a setup was answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// The mistake with its cure.
-    Told,
-    /// Another mistake than what was made, or one where none was made.
-    Accused,
-    /// Refused with exit status 2.
-    Refused,
-    /// Something is said to be wrong, but not what.
-    Doubted,
-    /// Nothing is said but what the motion leaves open.
-    Silent,
-}
-
-impl Outcome {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::Told, Self::Refused, Self::Doubted, Self::Accused, Self::Silent];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Told => "told",
-            Self::Accused => "accused",
-            Self::Refused => "refused",
-            Self::Doubted => "doubted",
-            Self::Silent => "silent",
-        }
+words! {
+    /// How a setup was answered.
+    Outcome {
+        /// The mistake with its cure.
+        Told = "told",
+        /// Refused with exit status 2.
+        Refused = "refused",
+        /// Something is said to be wrong, but not what.
+        Doubted = "doubted",
+        /// Another mistake than what was made, or one where none was made.
+        Accused = "accused",
+        /// Nothing is said but what the motion leaves open.
+        Silent = "silent",
     }
 }
 
