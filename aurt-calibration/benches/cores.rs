@@ -13,7 +13,7 @@ mod workload;
 
 use std::time::Instant;
 
-use aurt_calibration::{CalibrationOptions, NamedRecording, accumulate, calibrate};
+use aurt_calibration::{CalibrationOptions, NamedRecording, TermScopes, accumulate, calibrate};
 use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{Dispatch, LoadTorque, MeasurementUnit};
 use rayon::prelude::*;
@@ -42,7 +42,8 @@ fn main() {
         let options = CalibrationOptions::default();
         let works: [(&str, &(dyn Fn() + Sync)); 3] = [
             ("regressor, parallel filter, triangles", &|| {
-                accumulate(&model, &prepared, &LoadTorque::Literal, &options).unwrap();
+                accumulate(&model, &prepared, &TermScopes::everywhere(), &LoadTorque::Literal, &options)
+                    .unwrap();
             }),
             ("calibrate, τ_J fitted", &|| {
                 calibrate(&model, &prepared, MeasurementUnit::NewtonMetre, 10.0, &options).unwrap();

@@ -52,7 +52,8 @@ fn main() {
         let prepared = [NamedRecording { name: "recording".into(), data }];
         let preprocessed = processor_s();
         let literal = options(LoadTorqueChoice::Literal);
-        let system = accumulate(&model, &prepared, &LoadTorque::Literal, &literal).unwrap();
+        let system =
+            accumulate(&model, &prepared, &TermScopes::everywhere(), &LoadTorque::Literal, &literal).unwrap();
         let accumulated = processor_s();
         std::hint::black_box(estimate(&system, Estimator::Wls).unwrap());
         let estimated = processor_s();

@@ -3,7 +3,7 @@ use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 use crate::{
     CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, Deviations, EssentialReport,
     Estimate, Estimator, Fit, JointFactor, JointRange, LoadTorqueChoice, NamedRecording, PositionBias,
-    System, TermScopes, accumulate_scoped,
+    System, TermScopes, accumulate,
     consistent::{Prior, make_consistent},
     deviations::Sandwich,
     errors_in_positions::{Fitted, Looked, Shift, look},
@@ -55,7 +55,7 @@ pub fn calibrate_scoped(
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
             let no_load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-            let system = accumulate_scoped(model, recordings, scopes, &no_load, options)?;
+            let system = accumulate(model, recordings, scopes, &no_load, options)?;
             LoadTorque::Fitted(estimate_coefficients(&system, options.estimator)?)
         }
     };

@@ -56,8 +56,8 @@ pub use recursive::{
 pub use robust::RobustReport;
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use rows::{
-    JointRange, NamedRecording, RowBlock, TermScopes, accumulate, accumulate_scoped,
-    for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile,
+    JointRange, NamedRecording, RowBlock, TermScopes, accumulate, for_each_predicted_block,
+    for_each_row_block, for_each_tile, predict_tile,
 };
 pub use statistics::{ONE_SIDED_5, student, two_sided};
 pub use system::{Estimate, JointFactor, Solution, System, estimate};

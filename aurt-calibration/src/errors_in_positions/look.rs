@@ -8,7 +8,7 @@ use super::{
     shift::Shift,
 };
 use crate::{
-    CalibrationError, NamedRecording, Solution, System, accumulate_scoped, rows::Observed, statistics::Random,
+    CalibrationError, NamedRecording, Solution, System, accumulate, rows::Observed, statistics::Random,
 };
 
 const FILTER_ORDER: usize = 4;
@@ -94,7 +94,7 @@ fn joints(
 /// The system with the noise added once more.
 fn drawn(rows: &Observed<'_>, draw: u64) -> Result<System, CalibrationError> {
     let noisier = noisier_recordings(rows.recordings, draw)?;
-    accumulate_scoped(rows.model, &noisier, rows.scopes, rows.load, rows.options)
+    accumulate(rows.model, &noisier, rows.scopes, rows.load, rows.options)
 }
 
 /// The recordings with the noise of their positions added once more.

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
-    CalibrationError, JointFactor, NamedRecording, System, accumulate_scoped, physical::carried, rows::check,
+    CalibrationError, JointFactor, NamedRecording, System, accumulate, physical::carried, rows::check,
 };
 use covariance::{covariance, white};
 use problem::{Point, Problem, Seen};
@@ -190,7 +190,7 @@ fn unloaded(model: &RobotModel) -> LoadTorque {
 }
 
 fn accumulated(of: &GainsOf<'_>, load: &LoadTorque) -> Result<System, CalibrationError> {
-    accumulate_scoped(of.model, of.recordings, of.scopes, load, of.options)
+    accumulate(of.model, of.recordings, of.scopes, load, of.options)
 }
 
 /// The estimate, with the load torque that its own bodies give.

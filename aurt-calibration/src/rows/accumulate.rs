@@ -15,24 +15,11 @@ use crate::{CalibrationError, CalibrationOptions, JointFactor, Rest, System};
 
 /// Accumulates the factors of all joints over all recordings: segments in parallel and, within a segment, the joints'
 /// filters and triangles beside the evaluation of the next tile. Triangles are merged in the order of segments, so
-/// that results do not depend on the number of threads.
+/// that results do not depend on the number of threads. Arm terms act where `scopes` says.
 ///
 /// # Errors
 /// What models report.
 pub fn accumulate(
-    model: &RobotModel,
-    recordings: &[NamedRecording],
-    load: &LoadTorque,
-    options: &CalibrationOptions,
-) -> Result<System, CalibrationError> {
-    accumulate_scoped(model, recordings, &TermScopes::everywhere(), load, options)
-}
-
-/// As [`accumulate`], with arm terms that act in some of the recordings only.
-///
-/// # Errors
-/// What models report.
-pub fn accumulate_scoped(
     model: &RobotModel,
     recordings: &[NamedRecording],
     scopes: &TermScopes,

@@ -13,7 +13,7 @@ pub(crate) use pieces::{Observed, Piece};
 pub(crate) use recordings::{check, ranges};
 pub(crate) use stream::TILE_SAMPLES;
 
-pub use accumulate::{accumulate, accumulate_scoped};
+pub use accumulate::accumulate;
 pub use recordings::{JointRange, NamedRecording};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};

@@ -3,7 +3,8 @@
 use crate::workload;
 
 use aurt_calibration::{
-    CalibrationOptions, Estimator, NamedRecording, Tracker, accumulate, estimate, for_each_row_block,
+    CalibrationOptions, Estimator, NamedRecording, TermScopes, Tracker, accumulate, estimate,
+    for_each_row_block,
 };
 use aurt_recording::{PreprocessOptions, preprocess};
 use aurt_traits::LoadTorque;
@@ -14,7 +15,7 @@ fn row_by_row_gives_the_estimate_of_the_batch() {
     let data = preprocess(&workload::recording(4, 6000), &PreprocessOptions::new(10.0)).unwrap();
     let recordings = [NamedRecording { name: "benchmark.csv".into(), data }];
     let (load, options) = (LoadTorque::Literal, CalibrationOptions::default());
-    let system = accumulate(&model, &recordings, &load, &options).unwrap();
+    let system = accumulate(&model, &recordings, &TermScopes::everywhere(), &load, &options).unwrap();
     let batch = estimate(&system, Estimator::Wls).unwrap();
 
     let columns = (0..model.joints()).map(|j| model.row_columns(j).to_vec()).collect();

@@ -4,7 +4,7 @@ use crate::knocks;
 use crate::known_robot;
 
 use aurt_calibration::{
-    Calibration, CalibrationOptions, Deviations, Estimator, NamedRecording, TermScopes, accumulate_scoped,
+    Calibration, CalibrationOptions, Deviations, Estimator, NamedRecording, TermScopes, accumulate,
     calibrate, noise_bandwidth_factor,
 };
 use aurt_recording::Recording;
@@ -124,7 +124,7 @@ fn without_knocks_deviations_are_about_those_of_least_squares_with_the_same_weig
             let recording = measured(&clean, "quiet", seed, Noise::White, 1.0, None);
             let found = fit(&robot, &recording, Estimator::Irls, Deviations::White);
             let options = CalibrationOptions::default();
-            let system = accumulate_scoped(
+            let system = accumulate(
                 &robot.model,
                 std::slice::from_ref(&recording),
                 &TermScopes::everywhere(),

@@ -2,8 +2,8 @@
 
 use crate::workbench::failure::Failure;
 use aurt_calibration::{
-    CalibratedParameter, CalibrationOptions, NamedRecording, accumulate, badly_excited, calibrate,
-    hardly_excited,
+    CalibratedParameter, CalibrationOptions, NamedRecording, TermScopes, accumulate, badly_excited,
+    calibrate, hardly_excited,
 };
 use aurt_plugins::{Registry, SlotModel};
 use aurt_report::rendering::{number::significant, text::wrapped};
@@ -68,7 +68,7 @@ impl Judged {
             segment.measurement = Some(vec![vec![0.0; segment.rows()]; segment.motion.joints()]);
         }
         let load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-        let mut excited = judge(&accumulate(&model, &motions, &load, &options)?);
+        let mut excited = judge(&accumulate(&model, &motions, &TermScopes::everywhere(), &load, &options)?);
         let determined = |k: usize| matches!(excited.coefficients[k], Excitation::Own(_));
         let all_determined = (0..excited.coefficients.len()).all(determined);
         let mut warnings = Vec::new();

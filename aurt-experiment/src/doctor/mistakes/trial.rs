@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use aurt_calibration::{
-    CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped, for_each_predicted_block,
+    CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate, for_each_predicted_block,
 };
 use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
@@ -275,7 +275,7 @@ impl Bench {
                 rest_velocity_rad_s,
                 ..CalibrationOptions::default()
             };
-            let one = accumulate_scoped(model, std::slice::from_ref(recording), &self.scopes, load, &options);
+            let one = accumulate(model, std::slice::from_ref(recording), &self.scopes, load, &options);
             match (&mut all, one.ok()?) {
                 (Some(all), one) => all.merge(&one).ok()?,
                 (none, one) => *none = Some(one),

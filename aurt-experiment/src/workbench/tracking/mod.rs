@@ -16,7 +16,7 @@ use aurt::{
 };
 use aurt_calibration::{
     Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
-    DriftWindow, LeftOut, NamedRecording, accumulate, drift_windows,
+    DriftWindow, LeftOut, NamedRecording, TermScopes, accumulate, drift_windows,
 };
 use aurt_plugins::Registry;
 use aurt_rbd::INERTIAL_PARAMETERS;
@@ -323,8 +323,9 @@ fn left_out(
     unchanged: &[Vec<NamedRecording>],
 ) -> Result<LeftOut, CalibrationError> {
     let (model, calibration) = (&calibrated.model, &calibrated.calibration);
-    let of =
-        |motion: &Vec<NamedRecording>| accumulate(model, motion, &calibration.load, &calibration.options);
+    let of = |motion: &Vec<NamedRecording>| {
+        accumulate(model, motion, &TermScopes::everywhere(), &calibration.load, &calibration.options)
+    };
     let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
 }
