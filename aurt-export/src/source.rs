@@ -77,9 +77,6 @@ const HASH: &str = "BLAKE3 of the model: ";
 
 impl<'a> Source<'a> {
     /// The chain or tree of a model that can be exported at all.
-    ///
-    /// # Errors
-    /// [`ExportError::Amperes`], [`ExportError::NoChain`], [`ExportError::Count`] or [`ExportError::NotFinite`].
     pub(crate) fn chain(&self) -> Result<&'a SerialChain, ExportError> {
         if self.unit == MeasurementUnit::Ampere {
             return Err(ExportError::Amperes);
@@ -186,9 +183,6 @@ pub(crate) fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
 
 impl Source<'_> {
     /// The standard parameters of a machine that can exist.
-    ///
-    /// # Errors
-    /// [`ExportError::NoBodies`] without any, [`ExportError::Impossible`] with those of no machine, [`ExportError::Count`].
     pub(crate) fn possible_bodies(&self) -> Result<&[f64], ExportError> {
         let standard = self.standard.ok_or(ExportError::NoBodies)?;
         let expected = self.model.rigid_body().standard_parameters().len();

@@ -87,9 +87,6 @@ pub(crate) fn torque(body: &dyn RigidBodyRegressor, motion: MotionView<'_>, stan
 pub(crate) const STEP_RAD: f64 = 1e-3;
 
 /// τ of bodies as in [`torque`], one of whose joints stands further by `by_rad` of each sample.
-///
-/// # Errors
-/// [`ModelError`] of a motion whose positions are no numbers.
 pub(crate) fn turned(
     series: &ArmSeries<'_>,
     standard: &[f64],

@@ -50,9 +50,6 @@ pub(crate) fn out_of_bounds(model: &str, parameters: &[ShapeParameter]) -> Vec<M
 
 /// The values if each fits its parameter. A search in logarithms meets a bound only up to rounding, so an excess
 /// of that size is taken for the bound.
-///
-/// # Errors
-/// [`ModelError::Count`] for another number of values, [`ModelError::InvalidParameter`] for one out of bounds.
 pub(crate) fn accepted(
     model: &str,
     parameters: &[ShapeParameter],

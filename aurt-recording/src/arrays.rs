@@ -77,9 +77,6 @@ impl Array {
 
 impl ArrayFile<'_> {
     /// Reads the recording: finds out which axis is time, which arrays are needed, and loads those.
-    ///
-    /// # Errors
-    /// Arrays that are missing or do not fit each other; more numbers than are read at once; what `load` reports.
     pub(crate) fn read(self, reading: Reading<'_>, load: Load<'_>) -> Result<Recording, RecordingError> {
         let samples = self.samples(&reading.options.columns);
         let mut names = Vec::new();

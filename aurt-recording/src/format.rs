@@ -84,9 +84,6 @@ impl<'a> RecordingInput<'a> {
     }
 
     /// The file itself, at its first byte, for formats that read from several places.
-    ///
-    /// # Errors
-    /// A file that cannot be read again from its beginning, as a pipe.
     pub(crate) fn rewound(&self) -> Result<&File, RecordingError> {
         let mut file = &self.file;
         file.rewind().map_err(|source| unreadable(self.path, source))?;
@@ -157,9 +154,6 @@ const FOREIGN: &[(&[u8], &str, &str)] = &[
 ];
 
 /// Refuses a file that is known to be of a format that is not read.
-///
-/// # Errors
-/// [`RecordingError::Malformed`] with the way to convert it.
 pub(crate) fn refuse_foreign(path: &Path, beginning: &[u8]) -> Result<(), RecordingError> {
     match FOREIGN.iter().find(|(mark, ..)| beginning.starts_with(mark)) {
         None => Ok(()),

@@ -25,9 +25,6 @@ const ONE_RATE: f64 = 1.01;
 /// stamps belong together and the numbers stay as they are. Otherwise the recording has the stamps of the slower file, and
 /// x(t) = x(tₐ) + (t − tₐ)/(t_b − tₐ) · (x(t_b) − x(tₐ)) is taken of the other, between neighbours that are at most three
 /// of its periods apart; rows without such neighbours are left out.
-///
-/// # Errors
-/// As [`read_recording`](crate::read_recording); [`RecordingError::Joined`] if a quantity is in two files or the files have no common time.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     let alone = |recorded: &RecordedAs| RecordedAs { joined: Vec::new(), ..recorded.clone() };
     let own = ReadOptions {

@@ -38,9 +38,6 @@ impl<'a> Memory<'a> {
     }
 
     /// Refuses what would take more.
-    ///
-    /// # Errors
-    /// [`RecordingError::TooLarge`] with what would be needed.
     pub(crate) fn claim(&self, what: &str, needed_bytes: u64) -> Result<(), RecordingError> {
         if needed_bytes <= self.allowed_bytes {
             return Ok(());

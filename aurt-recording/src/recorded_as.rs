@@ -219,9 +219,6 @@ impl RecordedAs {
     }
 
     /// The factor of each joint's positions and velocities. The unit of angles is none of a joint that slides.
-    ///
-    /// # Errors
-    /// [`RecordingError::Count`] if a list has neither one number nor one for each joint.
     pub(crate) fn position_factors(&self, sliding: &[bool]) -> Result<Vec<Factor>, RecordingError> {
         let joints = sliding.len();
         let of_joint = |what: &str, list: &Option<Vec<f64>>| match list.as_deref() {

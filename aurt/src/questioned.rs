@@ -49,9 +49,6 @@ pub struct Part {
 
 impl Part {
     /// The recording with the joints of a robot.
-    ///
-    /// # Errors
-    /// Joints that are not the robot's.
     pub(crate) fn loaded(&self, joints: &RobotJoints) -> Result<Loaded, Error> {
         Ok(Loaded { source: self.source.clone(), recording: self.recording.clone().of_robot(joints)? })
     }

@@ -37,9 +37,6 @@ struct Fold {
 }
 
 /// The parameters that are kept, and how it came to them.
-///
-/// # Errors
-/// [`CalibrationError::TooFewBlocks`], and what models report.
 pub(crate) fn eliminate(full: &Full<'_>) -> Result<(Vec<bool>, EssentialReport), CalibrationError> {
     let blocks = blocks_of(full, BLOCKS)?;
     if blocks.len() < FEWEST_BLOCKS {

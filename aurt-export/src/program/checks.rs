@@ -42,9 +42,6 @@ pub(crate) struct Table {
 
 /// The tables of some samples. Torques are those of the checks; those of the bodies, gravity, mass matrix and regressor are
 /// those of [`ChainDynamics`], whose code the export does not share.
-///
-/// # Errors
-/// [`ExportError::Count`] for checks of another robot; what [`ChainDynamics`] refuses.
 pub(crate) fn tables(
     source: &Source<'_>,
     chain: &SerialChain,

@@ -57,9 +57,6 @@ pub(crate) fn first_difference(a: &[Vec<f64>], b: &[Vec<f64>], tolerance: f64) -
 type Evaluated = Result<Vec<Vec<f64>>, Violation>;
 
 /// Columns over `samples` samples, evaluated in pieces that end at `cuts`.
-///
-/// # Errors
-/// [`Violation`] if the evaluation fails, or writes too little or beyond its columns.
 fn in_pieces(
     name: &str,
     count: usize,

@@ -20,9 +20,6 @@ pub(crate) struct LibraryFile {
 
 impl LibraryFile {
     /// Reads a library.
-    ///
-    /// # Errors
-    /// [`Error::Library`] if it does not exist, is no regular file, or cannot be read.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
         let fail = |problem| Error::Library { path: path.to_owned(), problem };
         let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;

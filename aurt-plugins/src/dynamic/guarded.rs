@@ -62,9 +62,6 @@ pub(super) fn evaluate(
 type Again<'a> = &'a mut dyn FnMut(&JointSeries<'_>, &mut Columns<'_>) -> Result<(), Fault>;
 
 /// Holds the columns of a batch to the invariants that its model declares and that one batch can show.
-///
-/// # Errors
-/// The invariant that does not hold, with column, sample and values.
 pub(super) fn check_invariants(
     declared: Invariants,
     series: &JointSeries<'_>,

@@ -21,9 +21,6 @@ pub(super) struct CdrBody<'a> {
 
 impl<'a> CdrBody<'a> {
     /// The body of a message.
-    ///
-    /// # Errors
-    /// Another encapsulation than CDR.
     pub(super) fn of(message: &'a [u8]) -> Result<Self, &'static str> {
         let (encapsulation, bytes) = message.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {
@@ -45,9 +42,6 @@ impl<'a> CdrBody<'a> {
     }
 
     /// Passes over a sequence of names, and returns where the first begins and how many there are.
-    ///
-    /// # Errors
-    /// More or longer ones than a machine has.
     pub(super) fn names(&mut self) -> Result<(usize, usize), &'static str> {
         let count = self.word().ok_or(BREAKS_OFF)? as usize;
         let start = self.at;

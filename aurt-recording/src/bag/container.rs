@@ -31,9 +31,6 @@ pub const BAG: RecordingFormat = RecordingFormat {
 };
 
 /// A file of a bag by its first bytes.
-///
-/// # Errors
-/// A file that is neither MCAP nor SQLite, and one that unpacks to more than the allowed memory.
 fn container<'a>(
     input: RecordingInput<'a>,
     memory: Memory<'a>,
@@ -92,9 +89,6 @@ pub(crate) struct BagFolder {
 
 impl BagFolder {
     /// The bag that a path names, if it names one: its folder, or the `metadata.yaml` in it.
-    ///
-    /// # Errors
-    /// A description that cannot be read or names no files.
     pub(crate) fn named(path: &Path) -> Result<Option<Self>, RecordingError> {
         let Some(file) = described(path) else { return Ok(None) };
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();

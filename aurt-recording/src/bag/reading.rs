@@ -10,9 +10,6 @@ use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Reads the joint states of a bag, whose files follow each other.
-///
-/// # Errors
-/// A topic or joints that are missing; what is wrong with a file.
 pub(super) fn read(
     memory: Memory<'_>,
     files: Vec<Box<dyn Container + '_>>,

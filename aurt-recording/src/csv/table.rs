@@ -29,9 +29,6 @@ pub(crate) struct Table<'a> {
 
 impl<'a> Table<'a> {
     /// Finds the columns that are needed; `names` is empty if the `columns` columns have none.
-    ///
-    /// # Errors
-    /// Columns that are missing, ambiguous, or do not fit the robot.
     pub(crate) fn new(
         memory: Memory<'a>,
         names: Vec<String>,
@@ -71,9 +68,6 @@ impl<'a> Table<'a> {
     }
 
     /// Reads rows until `next` has no more: it fills the row and says whether there was one.
-    ///
-    /// # Errors
-    /// A number that is not finite; too many rows that cannot be true; what `next` and `visit` return.
     pub(crate) fn read(
         mut self,
         format: String,

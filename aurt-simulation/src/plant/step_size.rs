@@ -5,9 +5,6 @@ use super::machine::Gear;
 use crate::error::SimulationError;
 
 /// The step in s that resolves the plant's fastest rate, a divisor of `sample_s`.
-///
-/// # Errors
-/// [`SimulationError::TooStiff`] below [`SMALLEST_STEP_S`].
 pub(crate) fn step_s(plant: &mut Plant, home_rad: &[f64], sample_s: f64) -> Result<f64, SimulationError> {
     let n = plant.joints;
     let mut inertia = vec![0.0; n];

@@ -22,9 +22,6 @@ const SOLIDS: [(&str, usize, Option<usize>); 5] = [
 ];
 
 /// The mass of a `<geom>`, in the frame that `frame` has the shape's frame in; none of shapes without mass.
-///
-/// # Errors
-/// Shapes whose volume is not in the file (meshes); sizes and densities that are no positive numbers.
 pub(super) fn mass<'x>(
     element: &Element<'_, 'x>,
     class: Option<&str>,
