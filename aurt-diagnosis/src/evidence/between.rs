@@ -14,6 +14,13 @@ use crate::evidence::refit::series;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::rows::{Layout, RecordingRows, Role};
 
+/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
+/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`), …
+pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
+
+/// … and at 0.3 rad/s, where most of it is dry.
+pub(crate) const DRY_BETWEEN_RECORDINGS: f64 = 0.022;
+
 /// Calibration recordings beside the model that is fitted to them.
 pub(crate) struct Between<'a> {
     recordings: Vec<&'a RecordingRows>,
@@ -91,14 +98,14 @@ impl<'a> Between<'a> {
     pub(crate) fn friction_share<'g>(
         &self,
         levels: impl Iterator<Item = (&'g Group, Vec<f64>)>,
-        usual: f64,
     ) -> Option<Share> {
         let [mut sum, mut freedom] = [0.0; 2];
         for (group, friction) in levels {
             let Some(of) = self.statistic(group) else { continue };
             let told: f64 = of.information.iter().zip(&friction).map(|(i, f)| i * f * f).sum();
             if told > 0.0 {
-                let by_friction = usual * usual * told / (1.0 + usual * usual * told);
+                let usual = BETWEEN_RECORDINGS.powi(2) * told;
+                let by_friction = usual / (1.0 + usual);
                 let weight = of.freedom * by_friction * by_friction;
                 sum += weight * (of.mean_square - 1.0) / told;
                 freedom += weight;
@@ -251,7 +258,7 @@ mod tests {
         let share = |levels: &[f64]| {
             let rows = recordings(levels);
             let between = Between::new(&rows, &layout, &[switch(false), switch(true)], &[1.0], 1.0)?;
-            between.friction_share([(&group, vec![5.0])].into_iter(), 0.06)
+            between.friction_share([(&group, vec![5.0])].into_iter())
         };
         for deviations in [[-0.5, 0.5, 0.0, 0.0], [-1.0, 1.0, -1.0, 1.0]] {
             let variance = deviations.iter().map(|d| d * d).sum::<f64>() / 3.0;
@@ -268,6 +275,6 @@ mod tests {
         let rows = recordings(&[5.0, 5.1, 4.9]);
         let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
         let between = Between::new(&rows, layout, &[switch(false), switch(true)], &[1e-6], 1.0)?;
-        between.friction_share([(group, vec![5.0])].into_iter(), 0.06)
+        between.friction_share([(group, vec![5.0])].into_iter())
     }
 }

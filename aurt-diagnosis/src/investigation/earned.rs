@@ -4,12 +4,12 @@
 //! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
 //! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
-use aurt_traits::ColumnGroup;
+use aurt_traits::{ColumnGroup, JointStack};
 
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::{Inflation, Share};
+use crate::evidence::between::{BETWEEN_RECORDINGS, DRY_BETWEEN_RECORDINGS, Inflation, Share};
 use crate::evidence::deviations::beyond_chance;
 use crate::evidence::gram::dot;
 use crate::evidence::linear::Cholesky;
@@ -66,8 +66,10 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
             }
             break;
         };
+        let usual = trial.groups[worst].target_only().then(|| trial.withheld(worst)).flatten();
         drop(trial);
-        let chosen = investigation.selection.chosen.remove(worst);
+        let mut chosen = investigation.selection.chosen.remove(worst);
+        chosen.withheld = usual;
         let fails = fails.swap_remove(worst);
         let is_rare = chosen.p_null.is_none_or(|p| p <= question.selection.level);
         let lacks_confirmation =
@@ -133,10 +135,6 @@ struct Size {
 
 /// Degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
-
-/// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
-/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
-pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
 
 impl<'a> Trial<'a> {
     fn new(question: &Question<'_>, investigation: &'a Investigation, reach_m: f64) -> Self {
@@ -316,39 +314,49 @@ impl<'a> Trial<'a> {
         }
         let known = Share { std: BETWEEN_RECORDINGS, freedom: KNOWN, recordings: 1.0 };
         let Share { std, freedom, recordings } = whole.between.unwrap_or(known);
-        let usual = std * (1.0 + recordings.recip()).sqrt() * self.by_friction(&size);
+        let shares = [if whole.between.is_some() { std } else { DRY_BETWEEN_RECORDINGS }, std];
+        let usual = (1.0 + recordings.recip()).sqrt() * self.by_friction(&size, shares);
         let all = self.deviation(&size.direction, 1.0).hypot(usual);
         // W. Satterthwaite, *Biometrics Bulletin* 2, 1946.
         let freedom = (freedom * (all / usual).powi(4)).min(KNOWN);
         let [sure, from_zero] = [beyond_chance(size.freedoms, freedom, level), size.size / all];
-        let tells = if whole.between.is_some() {
-            "as calibration recordings tell"
-        } else {
-            "which one calibration recording does not tell"
+        let [dry, other] = shares.map(|share| 100.0 * share);
+        let differs = match whole.between {
+            Some(_) => format!("by {other:.1} %, as it does among calibration recordings"),
+            None => format!(
+                "by {other:.0} %, and dry friction by {dry:.0} %, as that of other robots does: one calibration recording does not tell"
+            ),
         };
         (from_zero < sure).then(|| {
             format!(
-                "it is {from_zero:.1} σ from zero where friction differs by {:.1} % from one recording to the next, {tells}; {sure:.1} σ are \
-                 required",
-                100.0 * std
+                "it is {from_zero:.1} σ from zero where friction differs from one recording to the next {differs}; {sure:.1} σ are required"
             )
         })
     }
 
-    /// Standard deviation of the size of a change where each coefficient of friction differs by as much as itself.
-    fn by_friction(&self, Size { named, weights, .. }: &Size) -> f64 {
+    /// Standard deviation of the size of a change where each coefficient of dry friction differs by a share of itself, and each other one by
+    /// another.
+    fn by_friction(&self, Size { named, weights, .. }: &Size, [dry, other]: [f64; 2]) -> f64 {
         let Investigation { problem, model, baseline, base_switches, .. } = self.investigation;
         let own = self.whole.own(&baseline.coefficients, base_switches);
-        let joints = 0..self.least.len();
-        let columns: Vec<usize> = joints.flat_map(|j| model.group(ColumnGroup::JointDynamics(j))).collect();
-        let of_targets = |column: &usize| Switch { column: *column, target_only: true, nonnegative: false };
-        let friction: Vec<Switch> = columns.iter().filter(|c| **c < own.len()).map(of_targets).collect();
+        let of_stack = |(j, stack): (usize, &JointStack)| {
+            let count = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
+            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
+            columns.map(move |(k, column)| (column, if k < count { dry } else { other }))
+        };
+        let shares: Vec<(usize, f64)> = model.stacks().iter().enumerate().flat_map(of_stack).collect();
+        let of_targets =
+            |(column, _): &(usize, f64)| Switch { column: *column, target_only: true, nonnegative: false };
+        let friction: Vec<Switch> = shares.iter().map(of_targets).collect();
         let (total, beside) = (problem.total(), &self.whole.weights);
         let gram = problem.cross(total, named, named, beside);
         let weights = Cholesky::new(&gram, named.len()).solve(weights);
         let products = problem.cross(total, named, &friction, beside);
-        let changes = products.chunks_exact(named.len().max(1)).zip(&friction);
-        changes.map(|(product, s)| (own[s.column] * dot(product, &weights)).powi(2)).sum::<f64>().sqrt()
+        let changes = products.chunks_exact(named.len().max(1)).zip(&shares);
+        let change = |(product, (column, share)): (&[f64], &(usize, f64))| {
+            (share * own[*column] * dot(product, &weights)).powi(2)
+        };
+        changes.map(change).sum::<f64>().sqrt()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
-use crate::investigation::{BETWEEN_RECORDINGS, Investigation};
+use crate::investigation::Investigation;
 use crate::parameters::{FittedColumn, Parameters};
 use crate::vocabulary::OwnFriction;
 
@@ -57,7 +57,7 @@ impl Fitted {
             let of = OwnFriction::of(&investigation.model, group.joints[0], &own);
             vec![of.coulomb_nm, of.viscous_nm_s]
         };
-        fitted.between = between.friction_share(levels.map(|g| (g, friction(g))), BETWEEN_RECORDINGS);
+        fitted.between = between.friction_share(levels.map(|g| (g, friction(g))));
         for (own, inflation) in &fitted.inflations {
             for (k, _) in fitted.switches.iter().enumerate().filter(|(_, s)| own.contains(s)) {
                 let inflated = fitted.deviation_of(k, inflation.factor);

@@ -17,7 +17,7 @@ mod settled;
 mod shifted;
 
 pub use earned::Indicated;
-pub(crate) use earned::{BETWEEN_RECORDINGS, concerned, earn};
+pub(crate) use earned::{concerned, earn};
 pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub(crate) use gears::WORSE;

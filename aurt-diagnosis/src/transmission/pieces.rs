@@ -2,30 +2,18 @@
 
 use std::sync::OnceLock;
 
-use aurt_recording::{PositionNoise, Segment, ZeroPhase};
+use aurt_recording::{PositionNoise, ZeroPhase};
 use rayon::prelude::*;
 
 use super::against::{Against, OwnFreed};
 use super::rows::{Kind, Rows};
-use super::{FullRate, LEAST_RATE_HZ, PoseColumns};
+use super::series::{FullRate, Piece};
+use super::{LEAST_RATE_HZ, PoseColumns};
 use crate::dice::Dice;
 use crate::error::DiagnosisError;
 use crate::noise::spectrum::stamps_in_use;
 use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
-
-/// A segment at full rate, with the recording that it belongs to.
-#[derive(Debug, Clone)]
-pub(super) struct Piece<'a> {
-    pub recording: usize,
-    pub target: bool,
-    pub segment: &'a Segment,
-    pub full: FullRate,
-    pub gradients: PoseColumns,
-    pub position_cutoff_hz: f64,
-    /// The positions' noise as recorded, joint by joint.
-    pub noise: Vec<PositionNoise>,
-}
 
 /// A stretch between gaps that is shorter than this has too few blocks of time, and filters may not fit into it, s.
 const SHORTEST_S: f64 = 2.0;

@@ -3,8 +3,7 @@
 use aurt_recording::ZeroPhase;
 
 use super::link::{Deflection, Drive, Gear};
-use super::pieces::Piece;
-use super::series::FullRate;
+use super::series::{FullRate, Piece};
 use super::shape::Inertia;
 use super::whiten::Whitener;
 use super::{ELASTIC_TOP_HZ, PLAY_TOP_HZ};

@@ -1,5 +1,5 @@
 use aurt_calibration::for_each_tile;
-use aurt_recording::Segment;
+use aurt_recording::{PositionNoise, Segment};
 use aurt_traits::{ColumnGroup, MotionView};
 
 use crate::error::DiagnosisError;
@@ -23,6 +23,19 @@ pub struct FullRate {
     pub calm: Vec<Vec<bool>>,
     /// Inertia along the motion.
     pub inertia: PoseColumns,
+}
+
+/// A segment at full rate, with the recording that it belongs to.
+#[derive(Debug, Clone)]
+pub(super) struct Piece<'a> {
+    pub recording: usize,
+    pub target: bool,
+    pub segment: &'a Segment,
+    pub full: FullRate,
+    pub gradients: PoseColumns,
+    pub position_cutoff_hz: f64,
+    /// The positions' noise as recorded, joint by joint.
+    pub noise: Vec<PositionNoise>,
 }
 
 /// A joint rests below this speed, rad/s.

@@ -6,9 +6,9 @@ use aurt_recording::{PositionNoise, PreprocessOptions, ReadReport, Recording, pr
 use aurt_traits::MeasurementUnit;
 
 use super::claim::{Among, Found, JointRows, Level};
-use super::pieces::{KindRows, Piece};
+use super::pieces::KindRows;
 use super::rows::Kind;
-use super::series::FullRate;
+use super::series::{FullRate, Piece};
 use super::shape::Shape;
 use crate::dice::Dice;
 use crate::noise::pose::PoseColumns;

@@ -3,10 +3,11 @@
 use aurt_traits::ColumnGroup;
 
 use crate::evidence::account::has_structure;
+use crate::evidence::between::BETWEEN_RECORDINGS;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
-use crate::investigation::{BETWEEN_RECORDINGS, Fitted, Investigation};
+use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::RecordingRows;
 use crate::verdict::{HeldOut, HeldOutDifference, JointResidual};
 
