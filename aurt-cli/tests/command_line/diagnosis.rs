@@ -179,35 +179,6 @@ fn an_encoder_that_has_lost_its_zero_is_found_with_its_offset() {
     assert!((value - OFFSET_RAD).abs() < 3.0 * std && std < 0.005, "{verdict}");
 }
 
-/// Slow motion tells a soft gear by the pose in which the link hangs: no resonance rings.
-#[test]
-fn a_gear_that_gives_way_shows_in_slow_motion() {
-    const STIFFNESS_NM_RAD: f64 = 4000.0;
-    let folder = Folder::new();
-    for seed in 1..=3 {
-        let scenario = format!(
-            "robot = 'ur10e'\nseed = {seed}\nlogger.rate_hz = 125\n[motion]\nkind = 'multi_sine'\nduration_s = 40.0\nharmonics = 6\n\
-             top_hz = 0.15\nshare = 0.7\n[[effect]]\nname = 'joint_elasticity'\njoints = [1]\n\
-             stiffness_nm_rad = [{STIFFNESS_NM_RAD:.1}]\ndamping_nm_s = [60.0]\n"
-        );
-        folder.write("scenario.toml", &scenario);
-        folder.run(format!("simulate --scenario scenario.toml --out {seed}.csv --quiet")).succeeded();
-    }
-    let constants = "--torque-constants 11.976 11.976 9.839 10.763 10.763 10.763";
-    let init = "init 1.csv 2.csv --validation 3.csv --robot ur10e --out experiment.toml";
-    folder.run(format!("{init} {constants}")).succeeded();
-    folder.run("diagnose experiment.toml --out out");
-    let verdict = folder.json("out/verdict.json");
-    let gears = verdict["effects"].as_array().unwrap().iter().filter(|e| e["effect"] == "joint_elasticity");
-    let [gear] = &gears.collect::<Vec<_>>()[..] else { panic!("{verdict}") };
-    let stiffness = &gear["parameters"]["stiffness_nm_rad"];
-    let [value, std] = ["value", "std"].map(|key| stiffness[key].as_f64().unwrap());
-    let is_near = (value - STIFFNESS_NM_RAD).abs() < 3.0 * std && std < 0.15 * value;
-    assert!(gear["joints"] == json!([1]) && is_near, "{gear}");
-    assert!(folder.read("out/improved.toml").contains("joint_compliance"));
-    assert!(!verdict["indications"].to_string().contains("\"joints\":[1],\"present_in\""), "{verdict}");
-}
-
 /// A load that the held-out recording alone shows: the fitted recordings lack nothing, and no part of the answer says so of all.
 #[test]
 fn a_load_in_the_held_out_recording_is_no_all_clear() {

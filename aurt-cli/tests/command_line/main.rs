@@ -37,6 +37,7 @@ mod removal;
 mod reports;
 mod sensitivity;
 mod series;
+mod simulated_robots;
 mod simulation;
 mod snapshots;
 mod support;

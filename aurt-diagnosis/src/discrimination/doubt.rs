@@ -132,6 +132,10 @@ pub(super) fn doubts(
     for (i, one) in selection.chosen.iter().enumerate() {
         let others = || claimed().enumerate().filter(move |(k, _)| *k != i).map(|(_, g)| g);
         if one.withheld.is_some() {
+            // No motion tells a change from the friction of another day.
+            if groups[one.group].target_only() {
+                continue;
+            }
             let explanations = [explained(&mut claimed(), Some(one.group)), explained(&mut others(), None)];
             found.push(Doubt::Indicated {
                 subject: of_group(one.group),
@@ -153,7 +157,7 @@ pub(super) fn doubts(
     }
     for indicated in &investigation.indicated {
         let group = indicated.chosen.group;
-        if !groups[group].is_named() || claimed().any(|g| g == group) {
+        if indicated.usual || !groups[group].is_named() || claimed().any(|g| g == group) {
             continue;
         }
         let explanations =

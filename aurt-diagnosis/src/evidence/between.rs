@@ -94,7 +94,8 @@ impl<'a> Between<'a> {
     /// `None` where noise hides it.
     ///
     /// If the coefficients f_k of a joint differ by a share of variance s², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
-    /// I is the information of a recording whose mean with the others is not taken off. All joints tell of one s, each by its degrees of freedom times (s² U/(1 + s² U))², which is taken at the usual share.
+    /// I is the information of a recording whose mean with the others is not taken off. All joints tell of one s, each by its degrees of
+    /// freedom times (s² U/(1 + s² U))², which is taken at the usual share.
     pub(crate) fn friction_share<'g>(
         &self,
         levels: impl Iterator<Item = (&'g Group, Vec<f64>)>,
@@ -171,7 +172,7 @@ struct Statistic {
     /// Mean over recordings and coefficients, over its expectation from noise.
     mean_square: f64,
     freedom: f64,
-    /// What a coefficient of size one adds to it.
+    /// Information of each coefficient, which adds it to the mean square where its size is one.
     information: Vec<f64>,
 }
 
@@ -218,63 +219,51 @@ mod tests {
         levels.iter().map(recording).collect()
     }
 
-    /// Two levels that differ by d leave ± d/2, of which each of n rows tells half: χ² is n d²/2.
-    #[test]
-    fn recordings_that_differ_widen_the_deviations_of_changes() {
-        let layout = Layout { coefficients: 1, rows: vec![vec![0]], first_instrument: 1 };
-        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
-        let group = Group {
+    const fn switch(target_only: bool) -> Switch {
+        Switch { column: 0, target_only, nonnegative: false }
+    }
+
+    fn level() -> Group {
+        Group {
             effect: &EFFECT,
             joints: vec![0],
             candidate: 0,
             switches: vec![switch(true)],
             accessory: Vec::new(),
             shapes: 0,
-        };
-        let groups = [group];
-        let inflation = |levels: &[f64]| {
-            let rows = recordings(levels);
-            let between = Between::new(&rows, &layout, &[switch(false), switch(true)], &[1.0], 1.0)?;
-            Some(between.inflation(&groups[0], &groups)?.factor)
-        };
+        }
+    }
+
+    /// Something of recordings of some levels, whose rows have a weight.
+    fn of<T>(levels: &[f64], weight: f64, ask: impl Fn(&Between<'_>) -> Option<T>) -> Option<T> {
+        let rows = recordings(levels);
+        let layout = Layout { coefficients: 1, rows: vec![vec![0]], first_instrument: 1 };
+        ask(&Between::new(&rows, &layout, &[switch(false), switch(true)], &[weight], 1.0)?)
+    }
+
+    /// Two levels that differ by d leave ± d/2, of which each of n rows tells half: χ² is n d²/2.
+    #[test]
+    fn recordings_that_differ_widen_the_deviations_of_changes() {
+        let groups = [level()];
+        let inflation = |levels: &[f64]| of(levels, 1.0, |b| Some(b.inflation(&groups[0], &groups)?.factor));
         assert!(inflation(&[5.0, 5.0]).is_none_or(|factor| factor < 1e-6));
         assert!((inflation(&[5.0, 6.0]).unwrap() - 200.0_f64.sqrt()).abs() < 1e-9);
         assert!(inflation(&[5.0]).is_none());
     }
 
-    /// Levels of the mean 5 whose variance among recordings is known.
+    /// Levels of the mean 5 whose variance among recordings is known; a friction that noise hides tells nothing.
     #[test]
     fn the_share_of_friction_is_that_of_its_levels() {
-        let layout = Layout { coefficients: 1, rows: vec![vec![0]], first_instrument: 1 };
-        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
-        let group = Group {
-            effect: &EFFECT,
-            joints: vec![0],
-            candidate: 0,
-            switches: vec![switch(true)],
-            accessory: Vec::new(),
-            shapes: 0,
-        };
-        let share = |levels: &[f64]| {
-            let rows = recordings(levels);
-            let between = Between::new(&rows, &layout, &[switch(false), switch(true)], &[1.0], 1.0)?;
-            between.friction_share([(&group, vec![5.0])].into_iter())
+        let group = level();
+        let share = |levels: &[f64], weight: f64| {
+            of(levels, weight, |b| b.friction_share([(&group, vec![5.0])].into_iter()))
         };
         for deviations in [[-0.5, 0.5, 0.0, 0.0], [-1.0, 1.0, -1.0, 1.0]] {
             let variance = deviations.iter().map(|d| d * d).sum::<f64>() / 3.0;
-            let found = share(&deviations.map(|d| 5.0 + d)).unwrap();
+            let found = share(&deviations.map(|d| 5.0 + d), 1.0).unwrap();
             assert!((found.std / (variance.sqrt() / 5.0) - 1.0).abs() < 0.1, "{found:?} {variance}");
             assert_eq!(found.recordings, 4.0);
         }
-        // A friction that noise hides tells nothing.
-        let hidden = between_noise(&layout, &group);
-        assert!(hidden.is_none(), "{hidden:?}");
-    }
-
-    fn between_noise(layout: &Layout, group: &Group) -> Option<Share> {
-        let rows = recordings(&[5.0, 5.1, 4.9]);
-        let switch = |target_only| Switch { column: 0, target_only, nonnegative: false };
-        let between = Between::new(&rows, layout, &[switch(false), switch(true)], &[1e-6], 1.0)?;
-        between.friction_share([(group, vec![5.0])].into_iter())
+        assert!(share(&[5.0, 5.1, 4.9], 1e-6).is_none());
     }
 }

@@ -32,6 +32,8 @@ pub struct Indicated {
     pub fails: Vec<String>,
     /// True if more than half of the pieces of the confirming rows are for it, though too few, and nothing else is against it.
     pub lacks_confirmation: bool,
+    /// True for a change that is within what recordings of an unchanged robot differ by.
+    pub usual: bool,
 }
 
 /// Coefficients of nothing are as far from zero with this probability; `p_null` is what the search adds to chance.
@@ -48,7 +50,7 @@ pub(crate) fn concerned(chosen: &Chosen) -> Vec<usize> {
 
 /// Takes what fails out of the selection, one after another, and tests what remains anew: first what chance makes most easily, since
 /// beside what fits some recordings only, held-out rows speak against what is there as well; then the weakest. Notes for the rest
-/// why it is no claim, though it stays in the model, lest something else takes its place.
+/// why it is not claimed though it stays in the model, lest something else takes its place.
 pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -> Result<(), DiagnosisError> {
     if investigation.selection.chosen.is_empty() {
         return Ok(());
@@ -66,15 +68,14 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
             }
             break;
         };
-        let usual = trial.groups[worst].target_only().then(|| trial.withheld(worst)).flatten();
+        let usual = trial.usual(worst).is_some();
         drop(trial);
-        let mut chosen = investigation.selection.chosen.remove(worst);
-        chosen.withheld = usual;
+        let chosen = investigation.selection.chosen.remove(worst);
         let fails = fails.swap_remove(worst);
         let is_rare = chosen.p_null.is_none_or(|p| p <= question.selection.level);
         let lacks_confirmation =
             fails.len() == 1 && is_rare && chosen.p_confirm.is_some_and(|p| p > most && p <= 0.5);
-        indicated.push(Indicated { chosen, fails, lacks_confirmation });
+        indicated.push(Indicated { chosen, fails, lacks_confirmation, usual });
         investigation.confirm_chosen(question);
     }
     indicated.sort_by(|a, b| b.chosen.score.total_cmp(&a.chosen.score));
@@ -133,7 +134,7 @@ struct Size {
     size: f64,
 }
 
-/// Degrees of freedom of a variance that is known.
+/// Degrees of freedom of a variance that is known: F then differs from χ² by 10⁻⁶ of itself.
 const KNOWN: f64 = 1e6;
 
 impl<'a> Trial<'a> {
@@ -277,17 +278,15 @@ impl<'a> Trial<'a> {
         self.whole.deviation(&self.investigation.problem, direction, factor).max(f64::MIN_POSITIVE)
     }
 
-    /// Says why one of it is no claim, though the recordings show it.
+    /// Says why one of it is not claimed though the recordings show it.
     fn withheld(&self, i: usize) -> Option<String> {
         let Investigation { problem, undetermined, .. } = self.investigation;
-        if !(problem.has_reference() && problem.has_target()) || *undetermined {
-            return None;
-        }
         if self.groups[i].target_only() {
             return self.usual(i);
         }
+        let has_both = problem.has_reference() && problem.has_target() && !undetermined;
         let shows = !self.groups[i].is_named() || self.lowers_error(i, &[0]);
-        (!shows).then(|| "the calibration recordings do not show it".to_owned())
+        (has_both && !shows).then(|| "the calibration recordings do not show it".to_owned())
     }
 
     /// Says that a change is within what recordings of an unchanged robot differ by. Each joint could have shown one: the level is that of a
@@ -298,6 +297,9 @@ impl<'a> Trial<'a> {
     /// [`BETWEEN_RECORDINGS`]. A share makes the change I⁻¹CᵀWF with I = CᵀWC, the columns C of the change and those of friction F.
     fn usual(&self, i: usize) -> Option<String> {
         let (group, whole) = (self.groups[i], &self.whole);
+        if !group.target_only() || !self.investigation.problem.has_reference() {
+            return None;
+        }
         let size = self.size(i);
         let searches = self.least.len() as f64 / group.joints.len() as f64;
         let level = -libm::expm1(libm::log1p(-self.level) / searches);

@@ -290,9 +290,11 @@ fn examine(
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
     let JudgedFaults { faults, matter: faults_matter } = JudgedFaults::new(as_recorded, question)?;
-    let freed = elastic.map(|elastic| elastic.undone(question)).transpose()?;
-    let recordings = freed.unwrap_or_else(|| recordings.clone());
-    let question = &Question { recordings: &recordings, ..*question };
+    let recordings = match elastic {
+        Some(elastic) => elastic.undone(question)?,
+        None => recordings,
+    };
+    let question = &Question { recordings: &recordings, ..*as_recorded };
     progress("fitting the reference model");
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that

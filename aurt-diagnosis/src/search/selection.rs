@@ -20,7 +20,7 @@ pub struct Chosen {
     pub p_confirm: Option<f64>,
     /// Log-MSE that each joint loses without it.
     pub joint_loss: Vec<f64>,
-    /// Why it is no claim, though it passed every test and stays in the model, lest something else takes its place, in words.
+    /// Why it is not claimed though it passed every test, in words: it stays in the model, lest something else takes its place.
     pub withheld: Option<String>,
     /// Other groups that could stand in its place, best first.
     pub rivals: Vec<Rival>,

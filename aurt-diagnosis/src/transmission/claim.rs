@@ -300,7 +300,7 @@ impl<'a> JointRows<'a> {
     /// What moves a simulated link are positions, and their noise makes its torque larger than what the drives feel: c·c is too large, and
     /// the amplitude c·r/c·c too small. Both products grow in proportion to the noise's power. With the noise once more they are
     /// ⟨c·c⟩₂ and ⟨c·r⟩₂, means of either sign of it, and without any 2 c·c − ⟨c·c⟩₂ and 2 c·r − ⟨c·r⟩₂ (J. R. Cook and L. A. Stefanski,
-    /// *J. American Statistical Association* 89, 1994). Nothing is known of the size of a torque that is all noise.
+    /// *J. American Statistical Association* 89, 1994). A torque that is noise throughout has no known size.
     fn amplitude_without_noise(
         &self,
         noisier: &[Vec<Against<'_>>; 2],

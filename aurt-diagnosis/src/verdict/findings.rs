@@ -81,7 +81,8 @@ pub(crate) fn findings(
 pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
     let withheld = investigation.selection.chosen.iter().filter_map(|c| {
         let fails = vec![c.withheld.clone()?];
-        Some(Indicated { chosen: c.clone(), fails, lacks_confirmation: false })
+        let usual = investigation.groups[c.group].target_only();
+        Some(Indicated { chosen: c.clone(), fails, lacks_confirmation: false, usual })
     });
     let mut found: Vec<Indication> = investigation
         .indicated
@@ -94,8 +95,7 @@ pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation
             let fitted = Fitted::new(investigation, investigation.switches_of(kept.chain([own])));
             let mut finding = finding(question, investigation, &indicated.chosen, &fitted)?;
             finding.sentence = sentence(&finding, question);
-            let usual = own.target_only() && indicated.chosen.withheld.is_some();
-            Some(Indication { finding, fails: indicated.fails, usual })
+            Some(Indication { finding, fails: indicated.fails, usual: indicated.usual })
         })
         .collect();
     found.sort_by(|a, b| b.finding.evidence.score.total_cmp(&a.finding.evidence.score));

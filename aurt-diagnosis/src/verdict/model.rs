@@ -57,7 +57,7 @@ pub struct Verdict {
     /// present.
     pub effects: Vec<Finding>,
     /// What describes these recordings and fails a test: it is not claimed. The improved model has it only if its one failed test
-    /// is that the calibration recordings do not show it.
+    /// is that the calibration recordings do not show it, or that they differ by as much.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub indications: Vec<Indication>,
     /// Registered friction models that predict what no named effect does, strongest first. They have no word of the

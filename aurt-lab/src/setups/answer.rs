@@ -9,7 +9,7 @@ use super::{Kind, mistakes::tells, setup::Setup};
 use crate::product::{Failure, OutputFolder};
 
 words! {
-    /// How a setup was answered.
+    /// Answer to a setup, in a word.
     Outcome {
         /// The mistake with its cure.
         Told = "told",

@@ -246,7 +246,7 @@ impl Robot {
 /// A robot as its file describes it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Described {
+struct RobotFile {
     unit: MeasurementUnit,
     gravity_m_s2: [f64; 3],
     /// The geometry as [`Robot::mdh_csv`] writes it.
@@ -257,7 +257,7 @@ struct Described {
     drives: toml::Table,
 }
 
-impl Described {
+impl RobotFile {
     fn read(name: &str, text: &str) -> Result<Robot, Box<dyn std::error::Error>> {
         let Self { unit, gravity_m_s2, mdh, links, drives } = toml::from_str(text)?;
         let mdh = MdhTable::parse(&mdh, name, MdhRows::Next)?.rows;
@@ -275,7 +275,7 @@ macro_rules! described {
             $(#[$doc])*
             pub fn $name() -> Robot {
                 // The file is part of the program, and a test reads it.
-                Described::read(stringify!($name), include_str!(concat!(stringify!($name), ".toml"))).expect("a robot")
+                RobotFile::read(stringify!($name), include_str!(concat!(stringify!($name), ".toml"))).expect("a robot")
             }
         )+
     };

@@ -1,0 +1,104 @@
+//! Diagnoses of simulated robots of which `init` knows the geometry alone.
+
+use serde_json::json;
+
+use crate::support::Folder;
+
+/// A recording of a UR10e that moves in sines up to a frequency, through a share of its range.
+fn simulated(folder: &Folder, name: &str, seed: u32, [rate_hz, top_hz, share]: [f64; 3], effect: &str) {
+    let scenario = format!(
+        "robot = 'ur10e'\nseed = {seed}\nlogger.rate_hz = {rate_hz}\n[motion]\nkind = 'multi_sine'\nduration_s = 40.0\nharmonics = 6\n\
+         top_hz = {top_hz}\nshare = {share}\n{effect}"
+    );
+    folder.write("scenario.toml", &scenario);
+    folder.run(format!("simulate --scenario scenario.toml --out {name}.csv --quiet")).succeeded();
+}
+
+const CONSTANTS: &str = "--torque-constants 11.976 11.976 9.839 10.763 10.763 10.763";
+
+/// An elastic gear of joint 1.
+fn gear_of(stiffness_nm_rad: f64) -> String {
+    format!(
+        "[[effect]]\nname = 'joint_elasticity'\njoints = [1]\nstiffness_nm_rad = [{stiffness_nm_rad:.1}]\ndamping_nm_s = [60.0]\n"
+    )
+}
+
+/// One calibration recording does not tell by how much friction differs from day to day; two that agree do.
+#[test]
+fn friction_of_another_day_is_no_change() {
+    let folder = Folder::new();
+    let more = |share: f64| {
+        format!(
+            "[[effect]]\nname = 'friction_level_changed'\njoints = [1, 2]\ncoulomb_change = [{share}, {share}]\n\
+             viscous_change = [{share}, {share}]\n"
+        )
+    };
+    let recordings = [
+        ("one", 1, String::new()),
+        ("two", 4, String::new()),
+        ("little", 2, more(0.05)),
+        ("much", 3, more(0.4)),
+    ];
+    for (name, seed, effect) in recordings {
+        simulated(&folder, name, seed, [100.0, 0.3, 0.7], &effect);
+    }
+    let headline = |calibration: &str, target: &str| {
+        let experiment = format!("{target}-{}.toml", calibration.len());
+        let init = format!("init {calibration} --target {target}.csv --robot ur10e --out {experiment}");
+        folder.run(format!("{init} {CONSTANTS}")).succeeded();
+        folder.run(format!("diagnose {experiment} --out out")).stdout().replace('\n', " ")
+    };
+    let usual = headline("one.csv", "little");
+    assert!(
+        usual.starts_with("nothing has changed by more than recordings of an unchanged robot"),
+        "{usual}"
+    );
+    for (calibration, target) in [("one.csv two.csv", "little"), ("one.csv", "much")] {
+        let changed = headline(calibration, target);
+        assert!(changed.starts_with("changed since calibration: "), "{changed}");
+        assert!(changed.split(';').next().is_some_and(|change| change.contains("friction")), "{changed}");
+    }
+}
+
+/// The link's ring, beside the rotors that the model lacks as well.
+#[test]
+fn a_soft_gear_is_found_with_its_stiffness() {
+    const STIFFNESS_NM_RAD: f64 = 6000.0;
+    let folder = Folder::new();
+    for seed in 1..=3 {
+        simulated(&folder, &seed.to_string(), seed, [100.0, 0.5, 0.6], &gear_of(STIFFNESS_NM_RAD));
+    }
+    let init = "init 1.csv 2.csv --validation 3.csv --robot ur10e --out experiment.toml";
+    folder.run(format!("{init} {CONSTANTS}")).succeeded();
+    folder.run("diagnose experiment.toml --out out");
+    let verdict = folder.json("out/verdict.json");
+    let effects = verdict["effects"].as_array().unwrap();
+    let gear = effects.iter().find(|e| e["effect"] == "joint_elasticity").unwrap();
+    let [value, std] =
+        ["value", "std"].map(|key| gear["parameters"]["stiffness_nm_rad"][key].as_f64().unwrap());
+    let is_near = (value - STIFFNESS_NM_RAD).abs() < 2.0 * std && std < 0.35 * value;
+    assert!(gear["joints"] == json!([1]) && is_near, "{gear}");
+    assert!(gear["parameters"]["frequency_hz"]["value"].as_f64().is_some(), "{gear}");
+}
+
+/// Slow motion tells a soft gear by the pose in which the link hangs: no resonance rings.
+#[test]
+fn a_gear_that_gives_way_shows_in_slow_motion() {
+    const STIFFNESS_NM_RAD: f64 = 4000.0;
+    let folder = Folder::new();
+    for seed in 1..=3 {
+        simulated(&folder, &seed.to_string(), seed, [125.0, 0.15, 0.7], &gear_of(STIFFNESS_NM_RAD));
+    }
+    let init = "init 1.csv 2.csv --validation 3.csv --robot ur10e --out experiment.toml";
+    folder.run(format!("{init} {CONSTANTS}")).succeeded();
+    folder.run("diagnose experiment.toml --out out");
+    let verdict = folder.json("out/verdict.json");
+    let gears = verdict["effects"].as_array().unwrap().iter().filter(|e| e["effect"] == "joint_elasticity");
+    let [gear] = &gears.collect::<Vec<_>>()[..] else { panic!("{verdict}") };
+    let stiffness = &gear["parameters"]["stiffness_nm_rad"];
+    let [value, std] = ["value", "std"].map(|key| stiffness[key].as_f64().unwrap());
+    let is_near = (value - STIFFNESS_NM_RAD).abs() < 3.0 * std && std < 0.15 * value;
+    assert!(gear["joints"] == json!([1]) && is_near, "{gear}");
+    assert!(folder.read("out/improved.toml").contains("joint_compliance"));
+    assert!(!verdict["indications"].to_string().contains("\"joints\":[1],\"present_in\""), "{verdict}");
+}
