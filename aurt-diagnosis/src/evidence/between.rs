@@ -5,6 +5,7 @@
 //! of them, and e what that leaves. The statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
 //! freedom as there are columns, times the memory of e, where no recording differs from the others.
 
+use aurt_traits::{ColumnGroup, JointStack, RobotModel};
 use nalgebra::DMatrix;
 
 use crate::evidence::deviations::memory;
@@ -15,11 +16,31 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::rows::{Layout, RecordingRows, Role};
 
 /// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
-/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`), …
+/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
 pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
 
-/// … and at 0.3 rad/s, where most of it is dry.
-pub(crate) const DRY_BETWEEN_RECORDINGS: f64 = 0.022;
+/// The share by which dry friction differs, over that by which the rest does: of the same recordings, that at 0.3 rad/s over that at 1 rad/s.
+pub(crate) const DRY: f64 = 0.022 / BETWEEN_RECORDINGS;
+
+impl Share {
+    /// That of a robot of which one calibration recording does not tell; F of so many degrees of freedom differs from χ² by 10⁻⁶ of itself.
+    pub(crate) const USUAL: Self = Self { std: BETWEEN_RECORDINGS, freedom: 1e6, recordings: 1.0 };
+
+    /// Columns of a model's friction and the deviations by which the coefficients of an unchanged robot differ from those that it was
+    /// calibrated with, joint by joint.
+    pub(crate) fn deviations(&self, model: &RobotModel, own: &[f64]) -> Vec<Vec<(usize, f64)>> {
+        let std = (1.0 + self.recordings.recip()).sqrt() * self.std;
+        let of_stack = |(j, stack): (usize, &JointStack)| {
+            let dry = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
+            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
+            let deviation = |(k, column): (usize, usize)| {
+                (column, own[column].abs() * std * if k < dry { DRY } else { 1.0 })
+            };
+            columns.map(deviation).collect()
+        };
+        model.stacks().iter().enumerate().map(of_stack).collect()
+    }
+}
 
 /// Calibration recordings beside the model that is fitted to them.
 pub(crate) struct Between<'a> {
@@ -90,10 +111,10 @@ impl<'a> Between<'a> {
         (square > 0.0).then(|| Inflation { factor: square.sqrt(), freedom: square * square / spread })
     }
 
-    /// The share by which friction differs between the recordings, from changes of its level, with the friction of each that the model has;
-    /// `None` where noise hides it.
+    /// The share by which friction differs between the recordings, from changes of its level, with what each coefficient differs by where
+    /// the share is one; `None` where noise hides it.
     ///
-    /// If the coefficients f_k of a joint differ by a share of variance s², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
+    /// If the coefficients of a joint differ by variances s² f_k², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
     /// I is the information of a recording whose mean with the others is not taken off. All joints tell of one s, each by its degrees of
     /// freedom times (s² U/(1 + s² U))², which is taken at the usual share.
     pub(crate) fn friction_share<'g>(

@@ -2,9 +2,13 @@
 
 use crate::evidence::account::has_structure;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::between::Share;
+use crate::evidence::deviations::memory;
+use crate::evidence::gram::dot;
+use crate::evidence::linear::Cholesky;
 use crate::evidence::total::TotalFit;
-use crate::hypotheses::group::Group;
-use crate::investigation::Investigation;
+use crate::hypotheses::group::{Group, Switch};
+use crate::investigation::{Fitted, Investigation};
 
 /// Whether a joint keeps more than its reference beside what was found.
 #[derive(Debug, Clone)]
@@ -19,7 +23,7 @@ impl Errors {
     /// Of an investigation. Registered models have no names and account for nothing; joints of `apart` are left out: what
     /// was found of them is no part of the model. The noise of each joint is `louder` times its floor.
     pub(crate) fn new(
-        investigation: &Investigation,
+        (investigation, fitted): (&Investigation, &Fitted),
         has_targets: bool,
         apart: &[usize],
         louder: &[f64],
@@ -28,7 +32,9 @@ impl Errors {
         let named: Vec<&Group> = chosen.filter(|g| g.is_named()).collect();
         let switches = investigation.switches_of(named.iter().copied());
         let whole = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
-        let of = Of { investigation, apart };
+        let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
+        let friction = fitted.between.unwrap_or(Share::USUAL).deviations(&investigation.model, &own);
+        let of = Of { investigation, apart, friction, switches };
         let noise: Vec<f64> =
             investigation.floor.iter().zip(louder).map(|(f, louder)| louder.powi(2) * f).collect();
         let has_reference = investigation.problem.has_reference();
@@ -53,6 +59,10 @@ impl Errors {
 struct Of<'a> {
     investigation: &'a Investigation,
     apart: &'a [usize],
+    /// Columns of friction and the deviations of an unchanged robot, joint by joint.
+    friction: Vec<Vec<(usize, f64)>>,
+    /// Coefficients of the whole model.
+    switches: Vec<Switch>,
 }
 
 impl Of<'_> {
@@ -61,12 +71,41 @@ impl Of<'_> {
         let asked = |j: &usize| !self.apart.contains(j) && self.rows(kind, *j) > 0.0;
         let left = |j: usize| match kind {
             0 => self.left_beside_targets(fit, j),
-            _ => self.fitted_rms(fit, kind, j),
+            _ => self.beside_usual_friction(fit, j, references[j]),
         };
         (0..references.len())
             .filter(asked)
             .filter(|j| has_structure(left(*j).powi(2), references[*j]))
             .collect()
+    }
+
+    /// What is left of the targets beside friction that differs as that of an unchanged robot does: of the residual r, with the columns C of
+    /// friction and the covariance Λ of its coefficients, r − C b with b = (CᵀC + v Λ⁻¹)⁻¹ Cᵀr where v is the reference times its memory.
+    fn beside_usual_friction(&self, fit: &TotalFit, joint: usize, reference: f64) -> f64 {
+        let Investigation { problem, mean_independent_share, .. } = self.investigation;
+        let friction: Vec<(usize, f64)> =
+            self.friction[joint].iter().copied().filter(|(_, deviation)| *deviation > 0.0).collect();
+        let of_targets =
+            |(column, _): &(usize, f64)| Switch { column: *column, target_only: true, nonnegative: false };
+        let (columns, n) = (friction.iter().map(of_targets).collect::<Vec<_>>(), friction.len());
+        let mut alone = vec![0.0; problem.joints()];
+        alone[joint] = 1.0;
+        let total = problem.total();
+        let mut right = problem.right(total, &columns, &alone);
+        let taken = problem.cross(total, &columns, &self.switches, &alone);
+        for (products, value) in taken.chunks_exact(n.max(1)).zip(&fit.coefficients) {
+            right.iter_mut().zip(products).for_each(|(r, product)| *r -= product * value);
+        }
+        let gram = problem.cross(total, &columns, &columns, &alone);
+        let mut penalised = gram.clone();
+        for (k, (_, deviation)) in friction.iter().enumerate() {
+            penalised[k * (n + 1)] += reference * memory(*mean_independent_share) / deviation.powi(2);
+        }
+        let b = Cholesky::new(&penalised, n).solve(&right);
+        let fitted: f64 =
+            gram.chunks_exact(n.max(1)).zip(&b).map(|(column, b_k)| b_k * dot(column, &b)).sum();
+        let left = fit.squared_errors[1][joint] - 2.0 * dot(&b, &right) + fitted;
+        (left.max(0.0) / self.rows(1, joint).max(1.0)).sqrt()
     }
 
     /// What is left of the recordings beside the targets: what the targets keep bends a fit to both.

@@ -84,7 +84,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     for ((joint, factor), of_trees) in residual.iter_mut().zip(&louder).zip(&remainder) {
         joint.structure_left = joint.structure_left && *factor <= 1.0 || of_trees.rest == Rest::Something;
     }
-    let errors = Errors::new(investigation, targets, &apart, &louder);
+    let errors = Errors::new((investigation, &fitted), targets, &apart, &louder);
     effects.extend(shaking.into_iter().chain(touched));
     effects.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
     // A fault that makes no difference stands behind physics that does.
