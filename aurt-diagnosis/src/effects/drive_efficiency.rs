@@ -4,7 +4,7 @@
 //! τ = η_driving |τ_J| sgn q̇ while the motor drives the load (τ_J q̇ > 0), η_driven |τ_J| sgn q̇ while the load
 //! drives the motor. Worm gears are the extreme: they can hardly be driven back.
 //!
-//! - `driving`, `driven`: both coefficients, Nm/Nm, about 0.05–0.2 on harmonic drives; on top of load-dependent
+//! - `driving`, `driven`: both coefficients ≥ 0, Nm/Nm, about 0.05–0.2 on harmonic drives; on top of load-dependent
 //!   friction that the model has already.
 //!
 //! # How it shows
@@ -36,7 +36,11 @@ pub static EFFECT: Effect = Effect {
     title: "transmission losses that differ between driving and being driven",
     decider: "lifting and lowering the same load at the same speed",
     source: include_str!("drive_efficiency.rs"),
-    parameters: &[Parameter::new("driving", Unit::One), Parameter::new("driven", Unit::One)],
+    parameters: &[
+        Parameter::new("driving", Unit::One).never_negative(),
+        Parameter::new("driven", Unit::One).never_negative(),
+    ],
+    contrast: &[1.0, -1.0],
     reads_model: true,
     generalises: &[&load_dependent_friction::EFFECT],
     propose: |context| {

@@ -58,9 +58,10 @@ impl Judge<'_> {
         by_chance(self.problem, switches, self.groups, &weights, residual, self.options.null_shifts)
     }
 
-    /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
-    /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
-    /// could as well have the other sign. Pieces are cut by what the two models predict, whatever was measured: they have equal
+    /// The probability that rows which nothing was fitted to favour a group as much by chance. With the errors b without it and b − δ with
+    /// it, in units of what the model leaves, the squared errors differ by 2bδ − δ². If nothing is there, b follows δ by chance alone, and
+    /// each piece's sum of 2bδ could as well have the other sign; a group with which the errors are larger fails by the signs of what
+    /// squared errors differ by. Pieces are cut by what the two models predict, whatever was measured: they have equal
     /// sums of their shares of the rows and of the energy of the difference, since where the group does little its rows say
     /// little, and last `shortest_s` or longer where there is time for all. None where there are too few rows to tell.
     ///
@@ -118,9 +119,9 @@ type Errors = [Vec<Vec<f64>>; 2];
 /// One row under two models, summed over joints in units of what the model leaves.
 #[derive(Debug, Clone, Copy)]
 struct Contrast {
-    /// By how much the squared error is larger without the group.
+    /// By how much the squared error is larger without the group, 2bδ − δ².
     difference: f64,
-    /// The square of the difference of predictions.
+    /// The square of the difference of predictions, δ².
     energy: f64,
 }
 
@@ -136,9 +137,11 @@ impl Contrast {
     }
 }
 
-/// Differences of pieces of at least some rows, with equal sums of their shares of the rows and of the energy.
+/// What pieces of at least some rows say for the group, with equal sums of their shares of the rows and of the energy.
 fn pieces(rows: &[Contrast], shortest: usize) -> Vec<f64> {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
+    let is_better = rows.iter().map(|r| r.difference).sum::<f64>() > 0.0;
+    let says = |row: &Contrast| row.difference + if is_better { row.energy } else { 0.0 };
     let share = |row: &Contrast| row.energy / total.max(f64::MIN_POSITIVE) + 1.0 / rows.len() as f64;
     let all: f64 = rows.iter().map(share).sum();
     let (mut pieces, mut begin, mut sum) = (Vec::new(), 0, 0.0);
@@ -146,7 +149,7 @@ fn pieces(rows: &[Contrast], shortest: usize) -> Vec<f64> {
         sum += share(row);
         let cuts = sum * PIECES as f64 >= all * (pieces.len() + 1) as f64;
         if cuts && k + 1 - begin >= shortest && rows.len() - k > shortest || k + 1 == rows.len() {
-            pieces.push(rows[begin..=k].iter().map(|r| r.difference).sum());
+            pieces.push(rows[begin..=k].iter().map(says).sum());
             begin = k + 1;
         }
     }
@@ -186,7 +189,10 @@ mod tests {
     /// All energy in one tenth of the rows: half of the pieces are there, unless they became too short.
     #[test]
     fn pieces_are_where_the_energy_is() {
-        let row = |k: usize| Contrast { difference: 1.0, energy: f64::from(u8::from(k < 100)) };
+        let row = |k: usize| {
+            let energy = f64::from(u8::from(k < 100));
+            Contrast { difference: 1.0 - energy, energy }
+        };
         let rows: Vec<Contrast> = (0..1000).map(row).collect();
         let lengths = pieces(&rows, 4);
         assert_eq!(lengths.len(), PIECES);

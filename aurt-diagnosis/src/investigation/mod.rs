@@ -204,10 +204,10 @@ fn punctual(
     let first = examine(question, registry, None, progress)?;
     let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
+    without.push(DELAY.id.to_owned());
     if found.is_none() && !first.investigation.is_late() {
         return Ok(Punctual { examination: first, recordings: question.recordings.to_vec(), without });
     }
-    without.push(DELAY.id.to_owned());
     if found.is_some()
         && let Some(examination) =
             elastic_instead(&Question { without: &without, ..*question }, registry, progress)?

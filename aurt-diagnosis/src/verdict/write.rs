@@ -94,7 +94,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
     // What the targets alone keep says nothing of the others.
     let is_structure = |j: usize| !apart.contains(&j) && !errors.is_of_targets(j);
-    let something = is_gear_hinted(question, investigation)
+    let something = effects.is_empty() && is_gear_hinted(question, investigation)
         || residual.iter().any(|r| r.structure_left && is_structure(r.joint));
     let answered = |something| answers(investigation, &effects, &registered_models, &errors, something);
     let (mut answer, mut structure) = answered(something);
