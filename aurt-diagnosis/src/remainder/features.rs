@@ -7,6 +7,9 @@ use crate::recordings::rows::{RecordingRows, Role};
 /// Velocity scale at which the direction of motion is clear, rad/s.
 const DIRECTION_RAD_S: f64 = 0.02;
 
+/// By how much positions on the way back are shifted, rad: no joint travels as far.
+const BACK_RAD: f64 = 1e3;
+
 /// Names of the features of a joint that a remainder can follow, in the order of [`of_rows`].
 pub(super) fn names(joints: usize, joint: usize, robot: RobotNames<'_>) -> Vec<String> {
     let of = |what: &str, k: usize| {
@@ -15,7 +18,14 @@ pub(super) fn names(joints: usize, joint: usize, robot: RobotNames<'_>) -> Vec<S
     let mut names: Vec<String> = (0..joints).map(|k| of("position", k)).collect();
     names.extend((0..joints).map(|k| of("velocity", k)));
     names.extend(
-        ["acceleration", "direction of motion", "load torque", "position since reversal"].map(String::from),
+        [
+            "acceleration",
+            "direction of motion",
+            "load torque",
+            "position since reversal",
+            "position and direction of motion",
+        ]
+        .map(String::from),
     );
     names
 }
@@ -30,6 +40,9 @@ pub(super) fn of_rows(rows: &RecordingRows, joint: usize, load_torque: Vec<f64>)
     features.push(own.velocity_rad_s.iter().map(|v| (v / DIRECTION_RAD_S).tanh()).collect());
     features.push(load_torque);
     features.push(since_reversal(rows, joint));
+    // Friction of a place has no mean over positions or over directions, which a first split would find.
+    let back = |(q, v): (&f64, &f64)| if *v < 0.0 { q - BACK_RAD } else { *q };
+    features.push(own.position_rad.iter().zip(&own.velocity_rad_s).map(back).collect());
     features.push(vec![f64::from(u8::from(rows.role != Role::Calibration)); rows.rows()]);
     features
 }

@@ -17,7 +17,9 @@ use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
 use crate::verdict::faults::fault_findings;
 use crate::verdict::findings::{delay_finding, findings, indications};
-use crate::verdict::held_out::{beyond_noise, differences, errors as errors_on_held_out, uncertainty};
+use crate::verdict::held_out::{
+    beyond_noise, differences, errors as errors_on_held_out, uncertainty, usual_friction,
+};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{is_gear_hinted, shaking_findings, shaking_indications};
 use crate::verdict::{
@@ -104,7 +106,10 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         answer = Answer::HeldOutDiffers;
     } else if [answer, structure.unwrap_or(answer)].iter().all(|a| *a == Answer::NoMismatch) {
         // A disturbance of all fitted rows is in their noise, and not in that of held-out ones.
-        let beyond = beyond_noise(&uncertain, &residual, &held_out, &apart);
+        let usual = usual_friction(investigation, &fitted);
+        let expected: Vec<f64> =
+            uncertain.iter().zip(usual).map(|(of_fit, friction)| of_fit + friction).collect();
+        let beyond = beyond_noise(&expected, &residual, &held_out, &apart);
         residual.iter_mut().for_each(|r| r.structure_left |= beyond.contains(&r.joint));
         (answer, structure) = answered(!beyond.is_empty());
     }
