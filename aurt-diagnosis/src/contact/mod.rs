@@ -41,7 +41,8 @@ pub struct Contact {
     pub distinction: f64,
     /// Mean force in the base frame while it lasts, N (if the measurement is in Nm).
     pub force_n: [f64; 3],
-    /// Its deviation, N, by what noise and model errors explain elsewhere; none where the arm stands, since stiction hides some of a force.
+    /// Its deviation, N, by what noise and model errors explain elsewhere or by how the force changes while it lasts, the larger; none
+    /// where the arm stands, since stiction hides some of a force.
     pub force_std_n: Option<[f64; 3]>,
 }
 
@@ -90,8 +91,8 @@ pub struct ContactRows<'a> {
     pub left_out: &'a [Vec<bool>],
 }
 
-/// Contacts nearer than this to each other are one, s.
-const ALONE_S: f64 = 0.5;
+/// Contacts nearer than this to each other are one, s: as far from its window a force still ebbs away.
+pub(crate) const ALONE_S: f64 = 0.5;
 
 /// Finds contacts in recordings, the clearest first.
 ///
