@@ -267,7 +267,7 @@ fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
     let (_, confirm) = FitRows::divide(rows.rows.clone(), &rows.partition);
     let judge = rows.judge(&groups, &options);
     let [there, not] =
-        [0, 1].map(|k| judge.p_confirm(&confirm, (&all[..1], &all), &groups[k], 0.05).unwrap());
+        [0, 1].map(|k| judge.p_confirm(&confirm, (&all[..1], &all), &groups[k], (0.05, 1.0)).unwrap());
     assert!(there < 0.01 && not > 0.05, "{there} {not}");
 }
 
