@@ -71,7 +71,6 @@ pub struct ContactOptions {
 
 impl ContactOptions {
     /// The defaults for dynamics up to `f_dyn_hz`.
-    #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
         Self { score: 50.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
     }
@@ -99,7 +98,6 @@ pub(crate) const ALONE_S: f64 = 0.5;
 /// The background is that of all recordings together, and so is the noise level of each joint, unless a recording has more: a
 /// contact does not last throughout a recording. The recordings should belong to one robot and one fit. Windows are exact to about
 /// a row (2 rows where the filters are slow).
-#[must_use]
 pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -> Vec<Contact> {
     let mut usable: Vec<Vec<Vec<bool>>> = recordings.iter().map(|r| usable_rows(r, options)).collect();
     let sigma = noise_levels(recordings, &usable);

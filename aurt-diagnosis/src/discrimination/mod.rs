@@ -61,7 +61,6 @@ pub struct Discrimination<'a> {
 
 impl<'a> Discrimination<'a> {
     /// The doubts that an investigation leaves, and intervals that are `wanted` narrower.
-    #[must_use]
     pub fn new(
         question: &'a Question<'a>,
         investigation: &'a Investigation,
@@ -81,13 +80,11 @@ impl<'a> Discrimination<'a> {
     }
 
     /// The open questions, those of claims first.
-    #[must_use]
     pub fn doubts(&self) -> &[Doubt] {
         &self.doubts
     }
 
     /// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability.
-    #[must_use]
     pub fn nats_to_decide(&self, probability: f64) -> f64 {
         let blocks = self.investigation.problem.blocks();
         2.0 * (decisive(blocks) + Normal::standard().inverse_cdf(probability)).powi(2)

@@ -37,7 +37,6 @@ pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
 
 impl Discrimination<'_> {
     /// The motions that the diagnosis fitted, recorded again for as long as another.
-    #[must_use]
     pub fn recorded_again(&self, other: &MotionMoments) -> MotionMoments {
         let total = self.investigation.problem.total();
         let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
@@ -123,7 +122,6 @@ impl Discrimination<'_> {
     }
 
     /// Step and white noise of each joint's positions, rad, as they were recorded.
-    #[must_use]
     pub fn encoders(&self) -> Vec<[f64; 2]> {
         let noise = self.investigation.noise.first();
         let positions = noise.iter().flat_map(|noise| &noise.positions);

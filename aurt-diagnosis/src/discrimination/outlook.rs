@@ -44,13 +44,11 @@ pub struct Interval {
 
 impl Discrimination<'_> {
     /// The outlook of every doubt, in the order of [`Discrimination::doubts`].
-    #[must_use]
     pub fn outlook(&self, planned: &MotionMoments) -> Vec<Outlook> {
         self.outlook_of(&(0..self.doubts.len()).collect::<Vec<_>>(), planned)
     }
 
     /// The same of some doubts.
-    #[must_use]
     pub fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
         let all = together(self.investigation.problem.total(), planned);
         let mut absorbed = self.free(doubts, &all).into_iter();
@@ -66,7 +64,6 @@ impl Discrimination<'_> {
     }
 
     /// Deviations of all parameters of what is claimed, now and with a motion recorded.
-    #[must_use]
     pub fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
         let after = self.narrowed(&together(self.investigation.problem.total(), planned));
         let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);

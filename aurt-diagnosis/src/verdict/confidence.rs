@@ -131,7 +131,6 @@ impl Learnt {
     }
 
     /// How often findings with such evidence were right; `ambiguous` if others do as well as this one.
-    #[must_use]
     pub fn confidence(&self, evidence: &[(&str, f64)], ambiguous: bool) -> f64 {
         if ambiguous {
             return self.ambiguous.rate();
@@ -178,7 +177,6 @@ static DEFAULT: LazyLock<Option<Learnt>> = LazyLock::new(|| Learnt::embedded().o
 
 /// The hit rate at a score, by what the program was built with, of a finding beside which others may or may not do as
 /// well.
-#[must_use]
 pub fn confidence(score: f64, has_alternatives: bool) -> f64 {
     DEFAULT.as_ref().map_or(0.5, |learnt| learnt.confidence(&[(SCORE, score)], has_alternatives))
 }

@@ -28,7 +28,6 @@ use crate::verdict::{
 use crate::vocabulary::{Effect, Means, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
-#[must_use]
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
     let fitted = Fitted::new(investigation, investigation.switches());
     let (all, fit) = (&fitted.switches, &fitted.fit);
