@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::ForceColumns;
+use crate::evidence::baseline::BLOCKS;
 use crate::evidence::problem::ROUNDING;
 
 /// Normal equations of a link's force, summed from the first row: A (upper triangle), g.
@@ -102,7 +103,7 @@ impl Prefix {
         let Some(factor) = normal(&sums, least).cholesky() else { return [f64::INFINITY; 3] };
         let (inverse, force) = (factor.inverse(), Vector3::from(self.force(span)));
         let [start, end] = span;
-        let pieces = (end - start).min(PIECES);
+        let pieces = (end - start).min(BLOCKS);
         let cut = |p: usize| start + (end - start) * p / pieces;
         let score = |p: usize| {
             let own = self.between([cut(p), cut(p + 1)]);
@@ -143,9 +144,6 @@ impl Prefix {
             .collect()
     }
 }
-
-/// Pieces of a stretch between which a force may change.
-const PIECES: usize = 6;
 
 /// Solves A F = g. A force along a direction that no joint feels is zero: a small ridge keeps it there.
 fn solve(sums: &[f64; 9]) -> [f64; 3] {

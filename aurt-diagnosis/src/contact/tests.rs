@@ -221,7 +221,7 @@ proptest! {
     }
 }
 
-/// A force that rises and falls is no constant one: the deviation of its mean says so, and that by noise would not.
+/// The deviation of a force that rises and falls contains its mean over the window; that by noise alone would not.
 #[test]
 fn a_force_that_changes_is_as_uncertain_as_it_changes() {
     let off = |pulse: fn(f64) -> f64| -> [f64; 2] {

@@ -9,7 +9,7 @@
 //!
 //! # How it shows
 //! The residual differs by the sign of power τ_J q̇: lifting costs more than a symmetric loss predicts,
-//! lowering less. A UR10e has it on joints 1–3.
+//! lowering less. Losses that do not differ are `load_dependent_friction`.
 //!
 //! # Easily confused with
 //! - `torque_constant`: the odd part, (η_driving − η_driven)/2, multiplies |τ_J| sgn q̇ · sgn(τ_J q̇) = τ_J. It

@@ -22,26 +22,6 @@ pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
 /// The share by which dry friction differs, over that by which the rest does: of the same recordings, that at 0.3 rad/s over that at 1 rad/s.
 pub(crate) const DRY: f64 = 0.022 / BETWEEN_RECORDINGS;
 
-impl Share {
-    /// That of a robot of which one calibration recording does not tell; F of so many degrees of freedom differs from χ² by 10⁻⁶ of itself.
-    pub(crate) const USUAL: Self = Self { std: BETWEEN_RECORDINGS, freedom: 1e6, recordings: 1.0 };
-
-    /// Columns of a model's friction and the deviations by which the coefficients of an unchanged robot differ from those that it was
-    /// calibrated with, joint by joint.
-    pub(crate) fn deviations(&self, model: &RobotModel, own: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let std = (1.0 + self.recordings.recip()).sqrt() * self.std;
-        let of_stack = |(j, stack): (usize, &JointStack)| {
-            let dry = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
-            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
-            let deviation = |(k, column): (usize, usize)| {
-                (column, own[column].abs() * std * if k < dry { DRY } else { 1.0 })
-            };
-            columns.map(deviation).collect()
-        };
-        model.stacks().iter().enumerate().map(of_stack).collect()
-    }
-}
-
 /// Calibration recordings beside the model that is fitted to them.
 pub(crate) struct Between<'a> {
     recordings: Vec<&'a RecordingRows>,
@@ -207,6 +187,44 @@ pub(crate) struct Share {
     pub(crate) recordings: f64,
 }
 
+impl Share {
+    /// The share of a robot of which one calibration recording does not tell; F of so many degrees of freedom is χ² to 10⁻⁶ of itself.
+    pub(crate) const USUAL: Self = Self { std: BETWEEN_RECORDINGS, freedom: 1e6, recordings: 1.0 };
+
+    /// Changes of a model's friction, joint by joint, and the deviations of their coefficients on an unchanged robot.
+    pub(crate) fn changes(&self, model: &RobotModel, own: &[f64]) -> Vec<Vec<(Switch, f64)>> {
+        let std = (1.0 + self.recordings.recip()).sqrt() * self.std;
+        let of_stack = |(j, stack): (usize, &JointStack)| {
+            let dry = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
+            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
+            let change = |(k, column): (usize, usize)| {
+                let deviation = own[column].abs() * std * if k < dry { DRY } else { 1.0 };
+                (Switch { column, target_only: true, nonnegative: false }, deviation)
+            };
+            columns.map(change).filter(|(_, deviation)| *deviation > 0.0).collect()
+        };
+        model.stacks().iter().enumerate().map(of_stack).collect()
+    }
+}
+
+/// Squared error that coefficients of given deviations d take of a residual r: with their columns C and the variance v of r they are b = (CᵀC +
+/// v D⁻²)⁻¹ Cᵀr, all as much smaller as none exceeds [`MOST`] deviations, and take 2bᵀCᵀr − bᵀCᵀCb.
+pub(crate) fn taken(gram: &[f64], right: &[f64], variance: f64, deviations: &[f64]) -> f64 {
+    let n = deviations.len();
+    let mut penalised = gram.to_vec();
+    for (k, deviation) in deviations.iter().enumerate() {
+        penalised[k * (n + 1)] += variance / deviation.powi(2);
+    }
+    let b = Cholesky::new(&penalised, n).solve(right);
+    let most = b.iter().zip(deviations).map(|(b, d)| (b / (MOST * d)).abs()).fold(1.0, f64::max);
+    let b: Vec<f64> = b.iter().map(|b| b / most).collect();
+    let squares = gram.chunks_exact(n.max(1)).zip(&b).map(|(column, b_k)| b_k * dot(column, &b));
+    2.0 * dot(&b, right) - squares.sum::<f64>()
+}
+
+/// Deviations within which 95 of 100 numbers lie.
+const MOST: f64 = 2.0;
+
 /// The factor by which recordings of a machine that nobody has touched differ more than noise explains.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inflation {
@@ -270,6 +288,13 @@ mod tests {
         assert!(inflation(&[5.0, 5.0]).is_none_or(|factor| factor < 1e-6));
         assert!((inflation(&[5.0, 6.0]).unwrap() - 200.0_f64.sqrt()).abs() < 1e-9);
         assert!(inflation(&[5.0]).is_none());
+    }
+
+    /// One column of a hundred ones and a residual of a level; a level that is far from usual leaves more than all that is usual.
+    #[test]
+    fn no_more_is_taken_than_is_usual() {
+        let left = |level: f64| 100.0 * level * level - taken(&[100.0], &[100.0 * level], 1e-6, &[0.1]);
+        assert!(left(0.15) < 1e-6 && (left(0.5) - 100.0 * 0.3_f64.powi(2)).abs() < 1e-6);
     }
 
     /// Levels of the mean 5 whose variance among recordings is known; a friction that noise hides tells nothing.

@@ -144,7 +144,7 @@ impl Contrast {
     }
 }
 
-/// What pieces of at least some rows say for the group, with equal sums of their shares of the rows and of the energy.
+/// Evidence for the group of pieces of at least some rows, with equal sums of their shares of the rows and of the energy.
 fn pieces(rows: &[Contrast], shortest: usize, says: impl Fn(&Contrast) -> f64) -> Vec<f64> {
     let total: f64 = rows.iter().map(|r| r.energy).sum();
     let share = |row: &Contrast| row.energy / total.max(f64::MIN_POSITIVE) + 1.0 / rows.len() as f64;

@@ -333,17 +333,14 @@ impl<'a> Trial<'a> {
     fn by_friction(&self, Size { named, weights, .. }: &Size, share: Share) -> f64 {
         let Investigation { problem, model, baseline, base_switches, .. } = self.investigation;
         let own = self.whole.own(&baseline.coefficients, base_switches);
-        let friction: Vec<(usize, f64)> =
-            share.deviations(model, &own).into_iter().flatten().filter(|(_, d)| *d > 0.0).collect();
-        let of_targets =
-            |(column, _): &(usize, f64)| Switch { column: *column, target_only: true, nonnegative: false };
-        let columns: Vec<Switch> = friction.iter().map(of_targets).collect();
+        let (columns, deviations): (Vec<Switch>, Vec<f64>) =
+            share.changes(model, &own).into_iter().flatten().unzip();
         let (total, beside) = (problem.total(), &self.whole.weights);
         let gram = problem.cross(total, named, named, beside);
         let weights = Cholesky::new(&gram, named.len()).solve(weights);
         let products = problem.cross(total, named, &columns, beside);
-        let changes = products.chunks_exact(named.len().max(1)).zip(&friction);
-        changes.map(|(product, (_, deviation))| (deviation * dot(product, &weights)).powi(2)).sum()
+        let changes = products.chunks_exact(named.len().max(1)).zip(deviations);
+        changes.map(|(product, deviation)| (deviation * dot(product, &weights)).powi(2)).sum()
     }
 }
 

@@ -2,10 +2,8 @@
 
 use crate::evidence::account::has_structure;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::Share;
+use crate::evidence::between::{Share, taken};
 use crate::evidence::deviations::memory;
-use crate::evidence::gram::dot;
-use crate::evidence::linear::Cholesky;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Fitted, Investigation};
@@ -33,7 +31,7 @@ impl Errors {
         let switches = investigation.switches_of(named.iter().copied());
         let whole = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
         let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
-        let friction = fitted.between.unwrap_or(Share::USUAL).deviations(&investigation.model, &own);
+        let friction = fitted.between.unwrap_or(Share::USUAL).changes(&investigation.model, &own);
         let of = Of { investigation, apart, friction, switches };
         let noise: Vec<f64> =
             investigation.floor.iter().zip(louder).map(|(f, louder)| louder.powi(2) * f).collect();
@@ -59,8 +57,8 @@ impl Errors {
 struct Of<'a> {
     investigation: &'a Investigation,
     apart: &'a [usize],
-    /// Columns of friction and the deviations of an unchanged robot, joint by joint.
-    friction: Vec<Vec<(usize, f64)>>,
+    /// Changes of friction and their deviations on an unchanged robot, joint by joint.
+    friction: Vec<Vec<(Switch, f64)>>,
     /// Coefficients of the whole model.
     switches: Vec<Switch>,
 }
@@ -79,33 +77,21 @@ impl Of<'_> {
             .collect()
     }
 
-    /// What is left of the targets beside friction that differs as that of an unchanged robot does: of the residual r, with the columns C of
-    /// friction and the covariance Λ of its coefficients, r − C b with b = (CᵀC + v Λ⁻¹)⁻¹ Cᵀr where v is the reference times its memory.
+    /// The residual of the targets beside friction that differs as that of an unchanged robot does; `reference` is the variance of noise.
     fn beside_usual_friction(&self, fit: &TotalFit, joint: usize, reference: f64) -> f64 {
         let Investigation { problem, mean_independent_share, .. } = self.investigation;
-        let friction: Vec<(usize, f64)> =
-            self.friction[joint].iter().copied().filter(|(_, deviation)| *deviation > 0.0).collect();
-        let of_targets =
-            |(column, _): &(usize, f64)| Switch { column: *column, target_only: true, nonnegative: false };
-        let (columns, n) = (friction.iter().map(of_targets).collect::<Vec<_>>(), friction.len());
+        let (columns, deviations): (Vec<Switch>, Vec<f64>) = self.friction[joint].iter().copied().unzip();
         let mut alone = vec![0.0; problem.joints()];
         alone[joint] = 1.0;
         let total = problem.total();
         let mut right = problem.right(total, &columns, &alone);
-        let taken = problem.cross(total, &columns, &self.switches, &alone);
-        for (products, value) in taken.chunks_exact(n.max(1)).zip(&fit.coefficients) {
+        let fitted = problem.cross(total, &columns, &self.switches, &alone);
+        for (products, value) in fitted.chunks_exact(columns.len().max(1)).zip(&fit.coefficients) {
             right.iter_mut().zip(products).for_each(|(r, product)| *r -= product * value);
         }
         let gram = problem.cross(total, &columns, &columns, &alone);
-        let mut penalised = gram.clone();
-        for (k, (_, deviation)) in friction.iter().enumerate() {
-            penalised[k * (n + 1)] += reference * memory(*mean_independent_share) / deviation.powi(2);
-        }
-        let b = Cholesky::new(&penalised, n).solve(&right);
-        let fitted: f64 =
-            gram.chunks_exact(n.max(1)).zip(&b).map(|(column, b_k)| b_k * dot(column, &b)).sum();
-        let left = fit.squared_errors[1][joint] - 2.0 * dot(&b, &right) + fitted;
-        (left.max(0.0) / self.rows(1, joint).max(1.0)).sqrt()
+        let usual = taken(&gram, &right, reference * memory(*mean_independent_share), &deviations);
+        ((fit.squared_errors[1][joint] - usual).max(0.0) / self.rows(1, joint).max(1.0)).sqrt()
     }
 
     /// What is left of the recordings beside the targets: what the targets keep bends a fit to both.
