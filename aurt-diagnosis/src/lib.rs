@@ -62,7 +62,9 @@ pub use investigation::{BeforeGears, Delay, Indicated, Investigation, Late, inve
 pub use parameters::{FittedColumn, ParameterValue, Parameters};
 pub use recordings::{ConfirmRows, Fit, FitRows, Instrument, Layout, Partition, RecordingRows, Role};
 pub use remainder::{Follows, Remainder, Rest, Share};
-pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
+pub use request::{
+    CommonScale, Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names,
+};
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, PoseColumns, Shaking, VisibleGear, find_gears};
 pub use verdict::{

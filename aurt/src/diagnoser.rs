@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aurt_calibration::{Calibration, Rest, TermScopes};
 use aurt_diagnosis::{
-    Answer, Improvement, Investigation, Question, QuestionedRecording, RecordingSeries, Role,
+    Answer, CommonScale, Improvement, Investigation, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, improvement, investigate, series, write_verdict,
 };
 use aurt_plugins::Registry;
@@ -239,7 +239,12 @@ impl Diagnoser {
             calibration: *calibration,
             selection: self.selection,
             without: &self.without,
+            scale: None,
         };
+        let scale = CommonScale::of(&question, registry);
+        let scaled = scale.as_ref().map(|scale| scale.applied(&question)).transpose().map_err(Error::from)?;
+        let recordings = scaled.as_deref().unwrap_or(&recordings);
+        let question = Question { recordings, scale: scale.as_ref(), ..question };
         let investigation =
             investigate(&question, registry, |what| progress.step(what)).map_err(Error::from)?;
         answer(&question, &investigation, registry)

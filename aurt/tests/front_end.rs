@@ -120,6 +120,57 @@ fn a_diagnosis_in_memory_gives_typed_effects_and_the_improved_model() {
     assert!((stiffness.value - 8.0).abs() < 1.0, "{stiffness:?}");
 }
 
+/// Friction is that of another day, and inertia that is late resembles it.
+#[test]
+fn a_delay_is_known_beside_friction_that_differs() {
+    let friction = effects::FrictionLevelChanged {
+        joints: vec![0, 1],
+        coulomb_change: vec![-0.03, 0.03],
+        viscous_change: vec![-0.06, -0.06],
+    };
+    let late: Vec<Box<dyn effects::Effect>> =
+        vec![Box::new(effects::TimeDelay { delay_s: 0.012 }), Box::new(friction)];
+    let diagnosis = Diagnoser::new(two_link().model().build().unwrap())
+        .calibration(&recorded(1, Vec::new()))
+        .calibration(&recorded(2, Vec::new()))
+        .target(&recorded(3, late))
+        .diagnose(&Progress::silent())
+        .unwrap();
+    let effects = diagnosis.effects();
+    let Some(Effect::TimeDelay(late)) = effects.first().map(|found| &found.effect) else {
+        panic!("{effects:?}")
+    };
+    let found = late.delay_s[0];
+    assert!((found.value - 0.012).abs() < 2.0 * found.std.unwrap(), "{found:?}");
+}
+
+/// Drives whose torque constants nobody states: motion determines their ratio, so that a load is one on all joints.
+#[test]
+fn a_load_is_found_in_currents() {
+    let in_amperes = |mut recording: Recording| {
+        for (series, nm_per_a) in recording.measurement.iter_mut().flatten().zip([40.0, 15.0]) {
+            series.iter_mut().for_each(|y| *y /= nm_per_a);
+        }
+        recording.unit = MeasurementUnit::Ampere;
+        recording
+    };
+    let load = effects::Payload { link: 1, mass_kg: 1.5, com_m: [0.3, 0.1, 0.0], edges_m: [0.1, 0.1, 0.1] };
+    let explanation = Diagnoser::new(two_link().model().build().unwrap())
+        .calibration(&in_amperes(recorded(1, Vec::new())))
+        .calibration(&in_amperes(recorded(2, Vec::new())))
+        .target(&in_amperes(recorded(3, vec![Box::new(load)])))
+        .explain(&Progress::silent())
+        .unwrap();
+    let found = explanation.diagnosis.effects();
+    let in_target = found.iter().filter(|found| found.presence() == Presence::Target);
+    let changed: Vec<&Effect> = in_target.map(|found| &found.effect).collect();
+    let [Effect::Payload(load)] = changed[..] else { panic!("{changed:?}") };
+    let moment = load.first_moment_kg_m.unwrap().map(|per_a| 40.0 * per_a.value);
+    assert!((moment[0] - 0.45).abs() < 0.02 && (moment[1] - 0.15).abs() < 0.02, "{moment:?}");
+    let notes = &explanation.diagnosis.verdict.notes;
+    assert!(notes.iter().any(|note| note.contains("torque constants over its own")), "{notes:?}");
+}
+
 /// What the structure lacks is claimed where the calibration recordings show it; targets change nothing of it.
 #[test]
 fn the_structure_does_not_depend_on_the_targets() {

@@ -54,6 +54,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         .collect();
     let mut improvement = Improvement {
         calibrate_on_target: question.recordings.iter().any(|r| r.role == Role::Target),
+        gain_factors: question.scale.map(|scale| scale.factors().iter().map(|factor| 1.0 / factor).collect()),
         exclude_rest: investigation.rows.iter().flat_map(|r| &r.joints).any(JointRows::stands_long),
         ..Improvement::default()
     };

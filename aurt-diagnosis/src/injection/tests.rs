@@ -111,6 +111,7 @@ fn question<'a>(model: &'a RobotModel, recordings: &'a [QuestionedRecording]) ->
         calibration: CalibrationOptions::default(),
         selection: SelectionOptions::default(),
         without: &[],
+        scale: None,
     }
 }
 

@@ -4,6 +4,7 @@ use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording};
 use aurt_recording::{PreprocessOptions, Recording, RecordingError, preprocess};
 use aurt_traits::{MeasurementUnit, RobotModel, RobotNames};
 
+use super::CommonScale;
 use crate::error::DiagnosisError;
 use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
@@ -180,6 +181,8 @@ pub struct Question<'a> {
     pub selection: SelectionOptions,
     /// Effects that are not to be considered (for proofs of `unexplained`).
     pub without: &'a [String],
+    /// The scale that the recordings were brought to, if their currents have no torque constants and motion determines one.
+    pub scale: Option<&'a CommonScale>,
 }
 
 impl Question<'_> {

@@ -218,19 +218,24 @@ fn of_joint(
         // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.
         Ok(found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible()))
     };
-    let shows = |rows: &JointRows<'_>, shape: &Shape| rows.visible(*shape) >= VISIBLE_GAIN;
+    let shows =
+        |rows: &JointRows<'_>, of: &[Shape]| of.iter().all(|shape| rows.visible(*shape) >= VISIBLE_GAIN);
     let mut of_joint = OfJoint::default();
     let (mut elastic, mut play) = (None, None);
     if let Some(rows) = JointRows::new(elastic_rows, joint)?.filter(|_| effects[0]) {
         let [starts, _] = rows.starts();
         elastic = search(&rows, &starts)?;
-        of_joint.visible.hz = starts.iter().rev().find(|s| shows(&rows, s)).map(|s| s.hz);
+        // What a stiff gear gains is a small difference of large noises: each softer one has to show as well.
+        let stiffer = starts.chunk_by(|a, b| a.hz == b.hz).take_while(|of| shows(&rows, of));
+        of_joint.visible.hz = stiffer.last().map(|of| of[0].hz);
         of_joint.visible.inertia = Some(rows.inertia());
     }
     if let Some(rows) = JointRows::new(play_rows, joint)?.filter(|_| effects[1]) {
         let [_, starts] = rows.starts();
         play = search(&rows, &starts)?;
-        of_joint.visible.half_gap_rad = starts.iter().find(|s| shows(&rows, s)).map(|s| s.half_gap_rad);
+        let narrower = starts.chunk_by(|a, b| a.half_gap_rad == b.half_gap_rad).rev();
+        let narrower = narrower.take_while(|of| shows(&rows, of));
+        of_joint.visible.half_gap_rad = narrower.last().map(|of| of[0].half_gap_rad);
     }
     let found = match (elastic, play) {
         (Some(e), Some(p)) if e.confirmed() == p.confirmed() => {

@@ -147,12 +147,15 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         ));
     }
     if question.unit == MeasurementUnit::Ampere {
-        verdict.notes.push(
-            "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where their unit is \
-             given as N, Nm or kg; differing torque constants of the drives resemble losses and gain errors. Set \
-             `torque_constants_nm_per_a` in [robot] to obtain torques"
-                .into(),
+        let scale = question.scale.map_or_else(
+            || "differing torque constants of the drives resemble losses and gain errors".to_owned(),
+            |scale| scale.note(question),
         );
+        verdict.notes.push(format!(
+            "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where their unit is \
+             given as N, Nm or kg; {scale}. Set `torque_constants_nm_per_a` in [robot] to obtain torques; `aurt gains` measures them \
+             with a load of known mass"
+        ));
     }
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());

@@ -179,6 +179,7 @@ fn floors_at(
         calibration: CalibrationOptions::default(),
         selection: SelectionOptions::default(),
         without: &[],
+        scale: None,
     };
     let baseline = Baseline::new(&question).unwrap();
     let fit = Fit { model, load: &baseline.load, coefficients: &baseline.coefficients };

@@ -106,6 +106,7 @@ impl Subject {
             calibration: self.calibration,
             selection: self.selection,
             without: &[],
+            scale: None,
         }
     }
 
