@@ -17,6 +17,7 @@ mod error;
 mod output_error;
 mod plant;
 mod rollout;
+mod slopes;
 
 pub use absorbed::{Absorbed, absorbed};
 pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
@@ -25,3 +26,4 @@ pub use determined::Undetermined;
 pub use error::DriveError;
 pub use output_error::{EstimatedNumber, Options, OutputErrorFit, loss, output_error, output_error_from};
 pub use rollout::{DriveRecording, LONGEST_STEP_S};
+pub use slopes::slopes;

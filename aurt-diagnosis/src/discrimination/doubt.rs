@@ -7,26 +7,14 @@ use crate::request::Question;
 use crate::verdict::{open_rivals, share_left};
 use crate::vocabulary::{Effect, Presence};
 
-/// An effect on some joints.
+/// An effect, or a structure of drives, on some joints.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    pub effect: &'static Effect,
+    pub id: &'static str,
+    /// Those that it is on.
     pub joints: Vec<usize>,
-    /// Index of the candidate.
-    pub(super) candidate: usize,
-    pub(super) switches: Vec<Switch>,
-}
-
-impl Subject {
-    /// The effect of a hypothesis.
-    pub(super) fn of(group: &Group) -> Self {
-        Self {
-            effect: group.effect,
-            joints: group.joints.clone(),
-            candidate: group.candidate,
-            switches: group.switches.clone(),
-        }
-    }
+    /// True of what is not that of some joints.
+    pub is_whole_arm: bool,
 }
 
 /// An open question of a diagnosis.
@@ -38,27 +26,88 @@ pub enum Doubt {
         claimed: Subject,
         /// What does as well.
         rival: Subject,
+    },
+    /// An effect describes the recordings and fails a test: it may be there or not.
+    Indicated(Subject),
+    /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
+    Absorbed(Subject),
+    /// A parameter is known less well than is wanted.
+    Wide {
+        /// The claim that it is of, or the structure.
+        subject: Subject,
+        /// What is wanted.
+        wanted: DeviationGoal,
+    },
+    /// Numbers of drives that change together, along which recordings say less than was known beforehand.
+    Undetermined(Vec<String>),
+}
+
+impl Doubt {
+    /// True of those that count as one doubt together: nobody knows whether any of what is absorbed is there, and numbers that
+    /// are open were not asked for.
+    #[must_use]
+    pub const fn is_one_of_many(&self) -> bool {
+        matches!(self, Self::Absorbed(_) | Self::Undetermined(_))
+    }
+}
+
+/// An effect on some joints, with its coefficients.
+#[derive(Debug, Clone)]
+pub(super) struct ContestedLaw {
+    pub(super) effect: &'static Effect,
+    pub(super) joints: Vec<usize>,
+    /// Index of the candidate.
+    pub(super) candidate: usize,
+    pub(super) switches: Vec<Switch>,
+}
+
+impl ContestedLaw {
+    /// The effect of a hypothesis.
+    pub(super) fn of(group: &Group) -> Self {
+        Self {
+            effect: group.effect,
+            joints: group.joints.clone(),
+            candidate: group.candidate,
+            switches: group.switches.clone(),
+        }
+    }
+
+    pub(super) fn subject(&self) -> Subject {
+        let Effect { id, is_whole_arm, .. } = *self.effect;
+        Subject { id, joints: self.joints.clone(), is_whole_arm }
+    }
+}
+
+/// What a doubt is between.
+#[derive(Debug, Clone)]
+pub(super) enum Contest {
+    /// Another effect describes the recordings as well as a claim.
+    Rivals {
+        /// What is claimed.
+        claimed: ContestedLaw,
+        /// What does as well.
+        rival: ContestedLaw,
         /// The two, with everything else that is claimed.
         explanations: Box<[Explanation; 2]>,
     },
     /// An effect describes the recordings and fails a test: it may be there or not.
     Indicated {
         /// What is indicated.
-        subject: Subject,
+        subject: ContestedLaw,
         /// With it and without it.
         explanations: Box<[Explanation; 2]>,
     },
     /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
     Absorbed {
         /// What is not decidable.
-        subject: Subject,
+        subject: ContestedLaw,
         /// Columns of the other laws that its torque may be taken for.
         rivals: Vec<Vec<Switch>>,
     },
     /// A parameter is known less well than is wanted.
     Wide {
         /// The claim that it is of.
-        subject: Subject,
+        subject: ContestedLaw,
         /// What is wanted.
         wanted: DeviationGoal,
     },
@@ -75,14 +124,14 @@ pub struct DeviationGoal {
 
 /// A model of the recordings: which coefficients, and their values.
 #[derive(Debug, Clone)]
-pub struct ModelFit {
+pub(super) struct ModelFit {
     pub(super) switches: Vec<Switch>,
     pub(super) coefficients: Vec<f64>,
 }
 
 /// A model of the recordings as the truth, and as a rival of the truth.
 #[derive(Debug, Clone)]
-pub struct Explanation {
+pub(super) struct Explanation {
     /// The laws in the shapes that were estimated.
     pub(super) truth: ModelFit,
     /// The same with the law in question in all shapes in which it was proposed: another shape may suit the motion better.
@@ -96,7 +145,20 @@ impl ModelFit {
     }
 }
 
-impl Doubt {
+impl Contest {
+    pub(super) fn doubt(&self) -> Doubt {
+        match self {
+            Self::Rivals { claimed, rival, .. } => {
+                Doubt::Rivals { claimed: claimed.subject(), rival: rival.subject() }
+            }
+            Self::Indicated { subject, .. } => Doubt::Indicated(subject.subject()),
+            Self::Absorbed { subject, .. } => Doubt::Absorbed(subject.subject()),
+            Self::Wide { subject, wanted } => {
+                Doubt::Wide { subject: subject.subject(), wanted: wanted.clone() }
+            }
+        }
+    }
+
     /// The candidates that it is about.
     pub(super) fn candidates(&self) -> Vec<usize> {
         match self {
@@ -109,14 +171,14 @@ impl Doubt {
 }
 
 /// All doubts of a diagnosis, those of claims first.
-pub(super) fn doubts(
+pub(super) fn contests(
     question: &Question<'_>,
     investigation: &Investigation,
     fitted: &Fitted,
     wanted: &[DeviationGoal],
-) -> Vec<Doubt> {
+) -> Vec<Contest> {
     let Investigation { problem, groups, selection, .. } = investigation;
-    let of_group = |g: usize| Subject::of(&groups[g]);
+    let of_group = |g: usize| ContestedLaw::of(&groups[g]);
     let explained = |of: &mut dyn Iterator<Item = usize>, law: Option<usize>| {
         let mut all: Vec<usize> = of.collect();
         let model = |of: &[usize]| {
@@ -137,7 +199,7 @@ pub(super) fn doubts(
                 continue;
             }
             let explanations = [explained(&mut claimed(), Some(one.group)), explained(&mut others(), None)];
-            found.push(Doubt::Indicated {
+            found.push(Contest::Indicated {
                 subject: of_group(one.group),
                 explanations: Box::new(explanations),
             });
@@ -148,7 +210,7 @@ pub(super) fn doubts(
                 explained(&mut claimed(), Some(one.group)),
                 explained(&mut others().chain([rival.group]), Some(rival.group)),
             ];
-            found.push(Doubt::Rivals {
+            found.push(Contest::Rivals {
                 claimed: of_group(one.group),
                 rival: of_group(rival.group),
                 explanations: Box::new(explanations),
@@ -162,12 +224,12 @@ pub(super) fn doubts(
         }
         let explanations =
             [explained(&mut claimed().chain([group]), Some(group)), explained(&mut claimed(), None)];
-        found.push(Doubt::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
+        found.push(Contest::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
     }
     for wanted in wanted {
         let has = |g: &usize| groups[*g].effect.parameter(&wanted.parameter).is_some();
         let subjects = claimed().filter(has).map(of_group);
-        found.extend(subjects.map(|subject| Doubt::Wide { subject, wanted: wanted.clone() }));
+        found.extend(subjects.map(|subject| Contest::Wide { subject, wanted: wanted.clone() }));
     }
     found.extend(absorbed(question, investigation));
     found
@@ -191,22 +253,22 @@ fn other_shapes(investigation: &Investigation, law: usize) -> impl Iterator<Item
 }
 
 /// What the model absorbs in the present motions: of each effect and joint the candidate of which most is left.
-fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt> {
+fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Contest> {
     let target = investigation.problem.has_target();
-    let mut most: Vec<(Subject, f64)> = Vec::new();
+    let mut most: Vec<(ContestedLaw, f64)> = Vec::new();
     for (index, candidate) in investigation.candidates.iter().enumerate() {
         let Some(share) = share_left(investigation, index) else { continue };
         let target_only = target && candidate.proposal.presence == Presence::Change;
         if candidate.proposal.presence == Presence::Change && !target {
             continue;
         }
-        let subject = Subject {
+        let subject = ContestedLaw {
             effect: candidate.effect,
             joints: candidate.proposal.joints.clone(),
             candidate: index,
             switches: columns_of(candidate, target_only),
         };
-        let same = |(known, _): &&mut (Subject, f64)| {
+        let same = |(known, _): &&mut (ContestedLaw, f64)| {
             known.effect == subject.effect && known.joints == subject.joints
         };
         match most.iter_mut().find(same) {
@@ -216,7 +278,7 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
         }
     }
     let hidden = most.into_iter().filter(|(_, share)| *share < question.selection.free_share);
-    let doubt = |(subject, _)| Doubt::Absorbed { rivals: rivals_of(investigation, &subject), subject };
+    let doubt = |(subject, _)| Contest::Absorbed { rivals: rivals_of(investigation, &subject), subject };
     hidden.map(doubt).collect()
 }
 
@@ -230,7 +292,7 @@ fn columns_of(candidate: &Candidate, target_only: bool) -> Vec<Switch> {
 /// Laws for which a diagnosis may take the torque of another: those on its joint that are as simple, and gains of all joints, since the
 /// model's bodies pass on to other joints what is wrong with the load of one. A more general law gives way, as in the search. The
 /// same force by another name is no rival.
-fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<Vec<Switch>> {
+fn rivals_of(investigation: &Investigation, subject: &ContestedLaw) -> Vec<Vec<Switch>> {
     let target_only = subject.switches.first().is_some_and(|s| s.target_only);
     let freedoms = |c: &Candidate| c.columns.len() + c.proposal.shapes.len();
     let own = freedoms(&investigation.candidates[subject.candidate]);

@@ -21,11 +21,15 @@
 //!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 
+mod discriminator;
 mod doubt;
+mod drives;
 mod motion;
 mod outlook;
 
+pub use discriminator::Discriminator;
 pub use doubt::{DeviationGoal, Doubt, Subject};
+pub use drives::{DriveDiscrimination, DriveMoments};
 pub use motion::MotionMoments;
 pub use outlook::{Interval, Outlook};
 
@@ -33,12 +37,14 @@ use aurt_calibration::{ONE_SIDED_5, student};
 use aurt_plugins::Registry;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
-use doubt::doubts;
+use aurt_recording::Recording;
+use doubt::{Contest, contests};
 
 /// The doubts of a diagnosis, and what a motion would do about them.
 #[derive(Debug)]
@@ -56,6 +62,7 @@ pub struct Discrimination<'a> {
     base_weights: Vec<f64>,
     /// The model that the investigation ends with.
     fitted: Fitted,
+    contests: Vec<Contest>,
     doubts: Vec<Doubt>,
 }
 
@@ -74,21 +81,61 @@ impl<'a> Discrimination<'a> {
         let Investigation { problem, base_switches, floor, .. } = investigation;
         let base_weights = of_moved_joints(problem, weighted_fit(problem, base_switches, floor).1);
         let weights = of_moved_joints(problem, weights);
-        let doubts = doubts(question, investigation, &fitted, wanted);
+        let contests = contests(question, investigation, &fitted, wanted);
+        let doubts = contests.iter().map(Contest::doubt).collect();
         let independent_hz = share * mean_rate_hz(&investigation.rows);
         let reduction = question.selection.least_log_error(independent_hz).exp_m1();
-        Self { question, investigation, registry, weights, share, reduction, base_weights, fitted, doubts }
+        Self {
+            question,
+            investigation,
+            registry,
+            weights,
+            share,
+            reduction,
+            base_weights,
+            fitted,
+            contests,
+            doubts,
+        }
     }
+}
 
-    /// The open questions, those of claims first.
-    #[must_use]
-    pub fn doubts(&self) -> &[Doubt] {
+impl Discriminator for Discrimination<'_> {
+    type Planned = MotionMoments;
+
+    fn doubts(&self) -> &[Doubt] {
         &self.doubts
     }
 
-    /// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability.
-    #[must_use]
-    pub fn nats_to_decide(&self, probability: f64) -> f64 {
+    fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
+        Self::planned(self, motion)
+    }
+
+    fn and(&self, one: MotionMoments, other: &MotionMoments) -> MotionMoments {
+        one.and(other)
+    }
+
+    fn recorded_again(&self, other: &MotionMoments) -> Result<MotionMoments, DiagnosisError> {
+        Ok(Self::recorded_again(self, other))
+    }
+
+    fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
+        Self::outlook_of(self, doubts, planned)
+    }
+
+    fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
+        Self::intervals(self, planned)
+    }
+
+    fn largest<'m>(&self, planned: &'m MotionMoments) -> &'m [f64] {
+        &planned.largest
+    }
+
+    fn encoders(&self) -> Vec<[f64; 2]> {
+        Self::encoders(self)
+    }
+
+    fn nats_to_decide(&self, probability: f64) -> f64 {
         let blocks = self.investigation.problem.blocks();
         2.0 * (decisive(blocks) + Normal::standard().inverse_cdf(probability)).powi(2)
     }

@@ -21,8 +21,7 @@ pub struct MotionMoments {
 
 impl MotionMoments {
     /// The moments of two motions, one after the other.
-    #[must_use]
-    pub fn and(mut self, other: &Self) -> Self {
+    pub(super) fn and(mut self, other: &Self) -> Self {
         add(&mut self.moments, &other.moments);
         self.largest.iter_mut().zip(&other.largest).for_each(|(most, other)| *most = most.max(*other));
         self
@@ -37,8 +36,7 @@ pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
 
 impl Discrimination<'_> {
     /// The motions that the diagnosis fitted, recorded again for as long as another.
-    #[must_use]
-    pub fn recorded_again(&self, other: &MotionMoments) -> MotionMoments {
+    pub(super) fn recorded_again(&self, other: &MotionMoments) -> MotionMoments {
         let total = self.investigation.problem.total();
         let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
         let share = rows(&other.moments) / rows(total).max(1.0);
@@ -55,7 +53,7 @@ impl Discrimination<'_> {
     ///
     /// # Errors
     /// What preprocessing and evaluation report.
-    pub fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
+    pub(super) fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
         let Self { question, investigation, .. } = self;
         let (role, options) = self.like();
         let mut data = preprocess(motion, options)?;
@@ -67,7 +65,7 @@ impl Discrimination<'_> {
             coefficients: &investigation.baseline.coefficients,
         };
         let mut rows = RecordingRows::evaluate("planned", role, &data, &investigation.model, &load, &own)?;
-        for candidate in self.doubts.iter().flat_map(super::Doubt::candidates) {
+        for candidate in self.contests.iter().flat_map(super::Contest::candidates) {
             let candidate = &investigation.candidates[candidate];
             let Addition::Term(configuration) = &candidate.proposal.addition else { continue };
             if candidate.proposal.shapes.is_empty() {
@@ -123,8 +121,7 @@ impl Discrimination<'_> {
     }
 
     /// Step and white noise of each joint's positions, rad, as they were recorded.
-    #[must_use]
-    pub fn encoders(&self) -> Vec<[f64; 2]> {
+    pub(super) fn encoders(&self) -> Vec<[f64; 2]> {
         let noise = self.investigation.noise.first();
         let positions = noise.iter().flat_map(|noise| &noise.positions);
         positions.map(|position| [position.step_rad.unwrap_or(0.0), position.white_rad]).collect()

@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use super::doubt::{DeviationGoal, Doubt, Explanation, ModelFit, Subject};
+use super::doubt::{Contest, ContestedLaw, DeviationGoal, Explanation, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
 use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
@@ -23,7 +23,8 @@ pub struct Outlook {
     /// The evidence of the motion: the expected logarithm of the ratio of likelihoods, or the square of the ratio of the wanted
     /// deviation to that which is left. Other than a probability it still grows where the doubt is all but settled.
     pub evidence: f64,
-    /// Share of the torque that the other explanation, or the model, cannot take up.
+    /// Share of the torque that the other explanation, or the model, cannot take up; of positions its root mean square in units of
+    /// what a model is expected to miss, of an open direction the inverse of its deviation in units of what was known beforehand.
     pub free: f64,
     /// The parameter in question, now and after the motion.
     pub interval: Option<Interval>,
@@ -43,38 +44,29 @@ pub struct Interval {
 }
 
 impl Discrimination<'_> {
-    /// The outlook of every doubt, in the order of [`Discrimination::doubts`].
-    #[must_use]
-    pub fn outlook(&self, planned: &MotionMoments) -> Vec<Outlook> {
-        self.outlook_of(&(0..self.doubts.len()).collect::<Vec<_>>(), planned)
-    }
-
-    /// The same of some doubts.
-    #[must_use]
-    pub fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
+    /// The outlook of some doubts.
+    pub(super) fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
         let all = together(self.investigation.problem.total(), planned);
         let mut absorbed = self.free(doubts, &all).into_iter();
-        let outlook = |k: &usize| match &self.doubts[*k] {
-            Doubt::Absorbed { subject, .. } => {
+        let outlook = |k: &usize| match &self.contests[*k] {
+            Contest::Absorbed { subject, .. } => {
                 self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
             }
-            Doubt::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
-            Doubt::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
-            Doubt::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
+            Contest::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
+            Contest::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
+            Contest::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
         };
         doubts.iter().map(outlook).collect()
     }
 
     /// Deviations of all parameters of what is claimed, now and with a motion recorded.
-    #[must_use]
-    pub fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
+    pub(super) fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
         let after = self.narrowed(&together(self.investigation.problem.total(), planned));
         let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
         groups
             .map(|group| {
-                let subject = Subject::of(group);
-                let intervals = self.intervals_of(&subject, &after);
-                (subject, intervals)
+                let law = ContestedLaw::of(group);
+                (law.subject(), self.intervals_of(&law, &after))
             })
             .collect()
     }
@@ -96,7 +88,7 @@ impl Discrimination<'_> {
         Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    fn of_wide(&self, subject: &Subject, wanted: &DeviationGoal, all: &[Vec<Moments>; 2]) -> Outlook {
+    fn of_wide(&self, subject: &ContestedLaw, wanted: &DeviationGoal, all: &[Vec<Moments>; 2]) -> Outlook {
         let of_subject = self.intervals_of(subject, &self.narrowed(all));
         let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
         let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
@@ -111,7 +103,7 @@ impl Discrimination<'_> {
     }
 
     /// The outlook of an effect that the present recordings absorb, if all together leave shares of its torque free.
-    fn of_absorbed(&self, subject: &Subject, free: FreeShares, all: &[Vec<Moments>; 2]) -> Outlook {
+    fn of_absorbed(&self, subject: &ContestedLaw, free: FreeShares, all: &[Vec<Moments>; 2]) -> Outlook {
         let rows = |j: &usize| all.iter().map(|kind| kind[*j].rows).sum::<f64>();
         let independent = self.share * subject.joints.iter().map(rows).fold(0.0, f64::max);
         let nats = 0.5 * independent * free.of_model.min(free.of_rival).powi(2);
@@ -206,7 +198,7 @@ impl Discrimination<'_> {
         let mut places = |law: &[Switch]| law.iter().map(&mut place).collect::<Vec<usize>>();
         let mut laws: Vec<(Vec<usize>, Vec<Vec<usize>>)> = Vec::new();
         for doubt in doubts {
-            if let Doubt::Absorbed { subject, rivals } = &self.doubts[*doubt] {
+            if let Contest::Absorbed { subject, rivals } = &self.contests[*doubt] {
                 laws.push((places(&subject.switches), rivals.iter().map(|rival| places(rival)).collect()));
             }
         }
@@ -232,7 +224,7 @@ impl Discrimination<'_> {
         fitted.deviations.iter().enumerate().map(|(k, std)| std * ratio(k)).collect()
     }
 
-    fn intervals_of(&self, subject: &Subject, after: &[f64]) -> Vec<Interval> {
+    fn intervals_of(&self, subject: &ContestedLaw, after: &[f64]) -> Vec<Interval> {
         let fitted = &self.fitted;
         let candidate = &self.investigation.candidates[subject.candidate];
         let target_only = subject.switches.first().is_some_and(|s| s.target_only);

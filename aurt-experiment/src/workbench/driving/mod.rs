@@ -30,6 +30,7 @@ mod second_opinion;
 mod setting;
 
 pub use checking::check_drives;
+pub(in crate::workbench) use diagnosing::DiagnosedSetting;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
 

@@ -1,29 +1,28 @@
-use aurt_diagnosis::discrimination::{Doubt, MotionMoments, Outlook};
+use aurt_diagnosis::discrimination::{Discriminator, Outlook};
 use aurt_simulation::{Robot, Trajectory};
 use rayon::prelude::*;
 
-use super::{FULL_PIECES, GENERIC, NO_DOUBT, PIECES, Piece, Planner, SHARE, together};
+use super::{FULL_PIECES, GENERIC, NO_DOUBT, PIECES, Piece, Planner, SHARE};
 use crate::workbench::failure::Failure;
 
 /// Fedorov's exchange of pieces.
-pub(super) struct Exchange<'e> {
-    pub(super) planner: &'e Planner<'e>,
-    pub(super) pieces: &'e [Piece],
+pub(super) struct Exchange<'e, D: Discriminator> {
+    pub(super) planner: &'e Planner<'e, D>,
+    pub(super) pieces: &'e [Piece<D::Planned>],
     pub(super) open: &'e [usize],
     pub(super) robot: Robot,
 }
 
-impl Exchange<'_> {
-    /// The expected number of settled doubts, and the evidence where all are as good as settled. Nobody knows whether any of the
-    /// absorbed effects is there: together they count as one doubt.
-    fn value(&self, motion: &MotionMoments) -> f64 {
+impl<D: Discriminator> Exchange<'_, D> {
+    /// The expected number of settled doubts, and the evidence where all are as good as settled.
+    fn value(&self, motion: &D::Planned) -> f64 {
         let Planner { discrimination, .. } = self.planner;
-        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed { .. });
-        let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
+        let is_one_of_many = |k: &usize| discrimination.doubts()[*k].is_one_of_many();
+        let many = self.open.iter().filter(|k| is_one_of_many(k)).count().max(1) as f64;
         let outlook = discrimination.outlook_of(self.open, motion);
         let worth = |(k, o): (&usize, &Outlook)| {
             let settled = o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln();
-            if is_absorbed(k) { settled / absorbed } else { settled }
+            if is_one_of_many(k) { settled / many } else { settled }
         };
         self.open.iter().zip(&outlook).map(worth).sum()
     }
@@ -32,8 +31,8 @@ impl Exchange<'_> {
     /// settles more, the ways between the pieces counted.
     pub(super) fn motion(
         &self,
-        generic: &MotionMoments,
-    ) -> Result<(Vec<usize>, Trajectory, MotionMoments), Failure> {
+        generic: &D::Planned,
+    ) -> Result<(Vec<usize>, Trajectory, D::Planned), Failure> {
         let chosen = self.exchanged();
         let trajectory = self.sequence(&chosen);
         trajectory.check(&self.robot)?;
@@ -73,7 +72,7 @@ impl Exchange<'_> {
             let mut with = chosen.to_vec();
             with[place] = k;
             let is_short = self.pieces[k].trajectory.duration_s() <= longest_s;
-            let sum = || together(with.iter().map(|k| &self.pieces[*k]));
+            let sum = || self.planner.together(with.iter().map(|k| &self.pieces[*k]));
             let sum = (is_short && self.fits(&with)).then(sum).flatten()?;
             Some((self.value(&sum), with))
         });

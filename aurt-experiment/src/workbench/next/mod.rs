@@ -4,23 +4,26 @@
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
 //! finds those that together settle most: that maximise the expected number of settled doubts.
 
+mod drives;
 mod exchange;
 mod keep_out;
 mod limits;
 mod text;
+mod torques;
 
 pub use keep_out::KeepOut;
 
 use aurt::Progress;
+use aurt_diagnosis::DiagnosisError;
 use aurt_diagnosis::discrimination::{
-    DeviationGoal, Discrimination, Doubt, Interval, MotionMoments, Outlook, Subject,
+    DeviationGoal, Discrimination, Discriminator, Doubt, Interval, Outlook, Subject,
 };
-use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
 use rayon::prelude::*;
 
 use crate::Experiment;
@@ -28,7 +31,6 @@ use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
 use crate::workbench::failure::Failure;
 use exchange::Exchange;
 use keep_out::KeepOutCheck;
-use limits::limits_of;
 
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
@@ -64,6 +66,8 @@ pub struct Next {
     sure_nats: f64,
     /// Rows per second of the recordings.
     pub rate_hz: f64,
+    /// True of a motion of commands that drives follow.
+    pub is_of_drives: bool,
     pub notes: Vec<String>,
 }
 
@@ -72,8 +76,9 @@ pub struct Next {
 pub struct Plan {
     pub trajectory: Trajectory,
     pub pieces: Vec<String>,
-    /// The largest torque of each joint that the model predicts, and the largest that was recorded.
-    pub torque: Vec<[f64; 2]>,
+    /// The largest torque of each joint that the model predicts, and the largest that was recorded; of drives the distances of
+    /// position and command, rad.
+    pub largest: Vec<[f64; 2]>,
 }
 
 /// A doubt, and what recordings would do about it.
@@ -116,11 +121,15 @@ pub fn plan_next(
     progress: &Progress,
 ) -> Result<Next, Failure> {
     let check = keep_out_check(experiment, &options.keep_out)?;
+    if experiment.drive.is_some() {
+        return drives::plan(experiment, options, check.as_ref(), progress);
+    }
     diagnoser(experiment, registry, &options.diagnosis, progress)?.ask(
         progress,
         |question, investigation, registry| {
             let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
-            Planner::new(question, &doubts, options, check.as_ref())?.plan(progress)
+            let surroundings = torques::surroundings(question, options)?;
+            Planner { discrimination: &doubts, options, check: check.as_ref(), surroundings }.plan(progress)
         },
     )
 }
@@ -146,88 +155,75 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
     Ok(Some(check))
 }
 
-struct Planner<'a> {
-    question: &'a Question<'a>,
-    discrimination: &'a Discrimination<'a>,
+/// What is known of an arm and its recordings.
+struct Surroundings<'a> {
+    joint_names: Vec<String>,
+    limits: Vec<MotionLimits>,
+    /// Rows per second of the recordings.
+    rate_hz: f64,
+    /// The largest torque of each joint that was recorded; of drives the largest distance of position and command, rad.
+    recorded: Vec<f64>,
+    bodies: &'a dyn RigidBodyRegressor,
+    unit: MeasurementUnit,
+    is_of_drives: bool,
+    notes: Vec<String>,
+}
+
+/// Rows per second of stamps.
+fn rate_hz(time_s: &[f64]) -> f64 {
+    let span_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
+    if span_s > 0.0 { (time_s.len() - 1) as f64 / span_s } else { 1.0 }
+}
+
+struct Planner<'a, D: Discriminator> {
+    discrimination: &'a D,
     options: &'a NextOptions,
     check: Option<&'a KeepOutCheck>,
-    limits: Vec<MotionLimits>,
-    notes: Vec<String>,
-    rate_hz: f64,
-    encoders: Vec<[f64; 2]>,
-    recorded: Vec<f64>,
+    surroundings: Surroundings<'a>,
 }
 
-struct Piece {
+struct Piece<M> {
     trajectory: Trajectory,
     words: String,
-    planned: MotionMoments,
+    planned: M,
 }
 
-impl<'a> Planner<'a> {
-    fn new(
-        question: &'a Question<'a>,
-        discrimination: &'a Discrimination<'a>,
-        options: &'a NextOptions,
-        check: Option<&'a KeepOutCheck>,
-    ) -> Result<Self, Failure> {
-        let joints = question.model.joints();
-        let (limits, mut notes) = match &options.limits {
-            Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
-            Some(limits) => {
-                return Err(Failure::argument(
-                    "--limits",
-                    format!("has limits of {} joints, the robot has {joints}", limits.len()),
-                    "write a row for each joint",
-                ));
-            }
-            None => limits_of(question.recordings, question.model.names()),
-        };
-        for recording in question.recordings {
-            let of_file = recording.raw.report.warnings();
-            notes.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
+impl NextOptions {
+    /// The limits that were given, for so many joints.
+    fn given_limits(&self, joints: usize) -> Result<Option<Vec<MotionLimits>>, Failure> {
+        let Some(limits) = &self.limits else { return Ok(None) };
+        if limits.len() != joints {
+            let reason = format!("has limits of {} joints, the robot has {joints}", limits.len());
+            return Err(Failure::argument("--limits", reason, "write a row for each joint"));
         }
-        let last = question.recordings.last().map_or(&[][..], |r| &r.raw.time_s);
-        let span_s = last.last().unwrap_or(&0.0) - last.first().unwrap_or(&0.0);
-        let rate_hz = if span_s > 0.0 { (last.len() - 1) as f64 / span_s } else { 1.0 };
-        let largest = |j: usize| {
-            let segments = question.recordings.iter().flat_map(|r| &r.data.data.segments);
-            let measured = segments.filter_map(|s| s.measurement.as_ref()?.get(j));
-            measured.flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
-        };
-        Ok(Self {
-            question,
-            discrimination,
-            options,
-            check,
-            limits,
-            notes,
-            rate_hz,
-            encoders: discrimination.encoders(),
-            recorded: (0..joints).map(largest).collect(),
-        })
+        Ok(Some(limits.clone()))
     }
+}
 
+impl<D: Discriminator> Planner<'_, D> {
     fn plan(self, progress: &Progress) -> Result<Next, Failure> {
         let doubts = self.discrimination.doubts();
-        let joint_names = self.question.model.names().joints.to_vec();
+        let Surroundings { joint_names, rate_hz, is_of_drives, notes, .. } = &self.surroundings;
         let mut next = Next {
             motion: None,
             open: Vec::new(),
             never: Vec::new(),
             intervals: Vec::new(),
-            joint_names,
+            joint_names: joint_names.clone(),
             sure_nats: self.discrimination.nats_to_decide(SURE),
-            rate_hz: self.rate_hz,
-            notes: self.notes.clone(),
+            rate_hz: *rate_hz,
+            is_of_drives: *is_of_drives,
+            notes: notes.clone(),
         };
         if doubts.is_empty() {
             return Ok(next);
         }
         let generic = self.generic()?;
         let pieces = self.pieces(&generic, progress)?;
-        let all =
-            together(pieces.iter()).ok_or(DiagnosisError::NothingToDiagnose).map_err(aurt::Error::from)?;
+        let all = self
+            .together(pieces.iter())
+            .ok_or(DiagnosisError::NothingToDiagnose)
+            .map_err(aurt::Error::from)?;
         let ever = self.discrimination.outlook(&all);
         let least = EVER[usize::from(ever.iter().all(|outlook| outlook.settled < EVER[0]))];
         let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= least).collect();
@@ -237,11 +233,11 @@ impl<'a> Planner<'a> {
             return Ok(next);
         }
         progress.step("exchanging pieces");
-        let robot = Robot::of_limits("arm", &self.limits);
+        let robot = Robot::of_limits("arm", &self.surroundings.limits);
         let exchange = Exchange { planner: &self, pieces: &pieces, open: &open, robot };
         let generic = self.moments(&generic)?;
         let (chosen, trajectory, planned) = exchange.motion(&generic)?;
-        let again = self.discrimination.recorded_again(&planned);
+        let again = self.discrimination.recorded_again(&planned).map_err(aurt::Error::from)?;
         let [planned_outlook, generic, again] =
             [&planned, &generic, &again].map(|motion| self.discrimination.outlook(motion));
         next.open = open
@@ -254,17 +250,18 @@ impl<'a> Planner<'a> {
             })
             .collect();
         next.intervals = self.discrimination.intervals(&planned);
-        let torque =
-            planned.largest.iter().zip(&self.recorded).map(|(planned, recorded)| [*planned, *recorded]);
+        let largest = self.discrimination.largest(&planned).iter().zip(&self.surroundings.recorded);
+        let largest = largest.map(|(planned, recorded)| [*planned, *recorded]).collect();
         let words = chosen.iter().map(|k| pieces[*k].words.clone()).collect();
-        next.motion = Some(Plan { trajectory, pieces: words, torque: torque.collect() });
+        next.motion = Some(Plan { trajectory, pieces: words, largest });
         Ok(next)
     }
 
     /// Draws pieces whose torques were seen before; a multi-sine made without knowing what is open is the first of them.
-    fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece>, Failure> {
-        let robot = Robot::of_limits("arm", &self.limits);
-        let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
+    fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece<D::Planned>>, Failure> {
+        let robot = Robot::of_limits("arm", &self.surroundings.limits);
+        let ends =
+            |k: usize| self.surroundings.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         // So long that a number of them and the ways between them fill the motion.
         let piece_s = |count: usize| {
@@ -307,15 +304,20 @@ impl<'a> Planner<'a> {
             Ok(planned.ok().map(|planned| Piece { trajectory, words, planned }))
         });
         let pieces = evaluated.collect::<Result<Vec<_>, Failure>>()?.into_iter().flatten();
-        let is_safe = |piece: &Piece| {
-            self.options.limits.is_some()
-                || piece.planned.largest.iter().zip(&self.recorded).all(|(planned, most)| planned <= most)
+        let is_safe = |piece: &Piece<D::Planned>| {
+            let mut largest =
+                self.discrimination.largest(&piece.planned).iter().zip(&self.surroundings.recorded);
+            self.options.limits.is_some() || largest.all(|(planned, most)| planned <= most)
         };
-        let safe: Vec<Piece> = pieces.filter(is_safe).collect();
+        let safe: Vec<Piece<D::Planned>> = pieces.filter(is_safe).collect();
         if safe.is_empty() {
             return Err(Failure::argument(
                 "--limits",
-                "no motion that was tried needs torques as small as the recorded ones",
+                if self.surroundings.is_of_drives {
+                    "in no motion that was tried the joints are as near to their commands as in the recordings"
+                } else {
+                    "no motion that was tried needs torques as small as the recorded ones"
+                },
                 "state the limits of the arm in a table, or try more with --tries",
             ));
         }
@@ -336,7 +338,8 @@ impl<'a> Planner<'a> {
             let from = random.between(low, high - width);
             MotionLimits { position_rad: [from, from + width], ..*limits }
         };
-        let limits: Vec<MotionLimits> = self.limits.iter().map(|limits| within(limits, random)).collect();
+        let limits: Vec<MotionLimits> =
+            self.surroundings.limits.iter().map(|limits| within(limits, random)).collect();
         let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(f64::INFINITY, f64::min);
         let widest = limits.iter().map(|l| l.position_rad[1] - l.position_rad[0]).fold(0.0, f64::max);
         let share = random.between(0.3, SHARE);
@@ -374,20 +377,21 @@ impl<'a> Planner<'a> {
         let joints = trajectory.joints();
         let mut random = Random::labelled(self.options.seed, "encoders");
         let (mut time_s, mut position_rad) = (Vec::new(), vec![Vec::new(); joints]);
-        trajectory.rows(self.rate_hz, |t, q, _, _| {
+        let encoders = self.discrimination.encoders();
+        trajectory.rows(self.surroundings.rate_hz, |t, q, _, _| {
             time_s.push(t);
             for (joint, (series, q)) in position_rad.iter_mut().zip(q).enumerate() {
-                let [step, white] = self.encoders.get(joint).copied().unwrap_or_default();
+                let [step, white] = encoders.get(joint).copied().unwrap_or_default();
                 let noisy = q + white * random.normal();
                 series.push(if step > 0.0 { step * (noisy / step).round() } else { noisy });
             }
         })?;
         let unknown = vec![vec![0.0; time_s.len()]; joints];
         let recording = Recording::from_arrays(time_s, position_rad)?.named("the planned motion");
-        Ok(recording.with_measurement(unknown, self.question.unit)?)
+        Ok(recording.with_measurement(unknown, self.surroundings.unit)?)
     }
 
-    fn moments(&self, trajectory: &Trajectory) -> Result<MotionMoments, Failure> {
+    fn moments(&self, trajectory: &Trajectory) -> Result<D::Planned, Failure> {
         Ok(self.discrimination.planned(&self.recorded_motion(trajectory)?).map_err(aurt::Error::from)?)
     }
 
@@ -396,15 +400,18 @@ impl<'a> Planner<'a> {
         let (duration_s, harmonics, top_hz, share) = (self.options.duration_s, 6, 0.6, SHARE);
         let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
         let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
-        let robot = Robot::of_limits("arm", &self.limits);
-        let bodies = &**self.question.model.rigid_body();
-        let found = excite(&robot, Some(bodies), &options, self.options.seed, &mut |_, _| ());
+        let robot = Robot::of_limits("arm", &self.surroundings.limits);
+        let found =
+            excite(&robot, Some(self.surroundings.bodies), &options, self.options.seed, &mut |_, _| ());
         let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
         Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }
-}
 
-fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
-    let first = pieces.next()?.planned.clone();
-    Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))
+    fn together<'p>(&self, mut pieces: impl Iterator<Item = &'p Piece<D::Planned>>) -> Option<D::Planned>
+    where
+        D::Planned: 'p,
+    {
+        let first = pieces.next()?.planned.clone();
+        Some(pieces.fold(first, |sum, piece| self.discrimination.and(sum, &piece.planned)))
+    }
 }

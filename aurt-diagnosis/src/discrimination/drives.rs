@@ -1,0 +1,441 @@
+//! The doubts of drives: which models of them a motion of commands tells apart.
+//!
+//! Models that predict the held-out positions as well as one another are rolled out over the commands of a motion. If A is true,
+//! the numbers of B are estimated again with the motion among the recordings: with the derivatives J_B of its positions in units
+//! of σ, the weights W of the loss, and H_B the information of the present recordings and of what was known beforehand, B moves by
+//!
+//! δ = (J_BᵀWJ_B + H_B)⁻¹ J_BᵀW (q_A − q_B)/σ
+//!
+//! towards A, as in the T-criterion of torques, min_δ ½ {‖(q_A − q_B)/σ − J_B δ‖² + δᵀ H_B δ}. What it leaves,
+//! q_B + σ J_B δ − q_A, is a difference in the motion recorded once more and held out, of which [`Foresight`] has the
+//! probability that the test of the diagnosis decides on it. So a motion is recorded twice, to be fitted and to be held out.
+//! Rollouts are whole, also where numbers are estimated by pieces.
+
+use std::sync::Arc;
+
+use aurt_calibration::drives::{DriveError, DriveRecording, Options, Undetermined, loss, slopes, stem};
+use aurt_recording::Recording;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde_json::json;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::{DeviationGoal, Discriminator, Doubt, Interval, Outlook, Subject};
+use crate::drives::{
+    Answer, BlockApart, Diagnosis, Foresight, JudgedFit, Missed, Objection, STRUCTURES, Search, Structure,
+    block_s, seconds,
+};
+use crate::error::DiagnosisError;
+
+/// Samples of a block at which rollouts are compared: what two models of servos differ by lasts a tenth of a second.
+const SAMPLES: f64 = 20.0;
+/// Time in which the arm comes to rest at the first command, s.
+const SETTLES_S: f64 = 1.0;
+
+/// The doubts of a diagnosis of drives, and what a motion would do about them.
+#[derive(Debug)]
+pub struct DriveDiscrimination<'a> {
+    diagnosis: &'a Diagnosis,
+    fitted: &'a [DriveRecording],
+    options: Options,
+    /// The improved model, then its rivals.
+    models: Vec<JudgedFit>,
+    /// True of models of which derivatives are needed.
+    moves: Vec<bool>,
+    /// True models with their rivals.
+    ways: Vec<[usize; 2]>,
+    contests: Vec<ModelContest>,
+    doubts: Vec<Doubt>,
+}
+
+/// What a doubt is between, by places in [`DriveDiscrimination::ways`].
+#[derive(Debug)]
+enum ModelContest {
+    Rivals([usize; 2]),
+    /// A structure that may be there, with what it must bring, and of a small one the model that has it.
+    There {
+        way: usize,
+        level: f64,
+        structure: Structure,
+        small: Option<usize>,
+    },
+    /// A direction in units of what was known beforehand.
+    Direction(DVector<f64>),
+    /// A number of the improved model.
+    Number(usize, f64),
+}
+
+/// Rollouts of all models over motions of commands.
+#[derive(Debug, Clone, Default)]
+pub struct DriveMoments {
+    parts: Vec<Arc<MotionRollouts>>,
+    largest_rad: Vec<f64>,
+    seconds: f64,
+}
+
+/// Rollouts over one motion.
+#[derive(Debug)]
+struct MotionRollouts {
+    /// Samples of each block, and the columns that are kept of it.
+    blocks: Vec<(f64, std::ops::Range<usize>)>,
+    /// By model: derivatives, and JᵀJ of all samples.
+    slopes: Vec<Option<(DMatrix<f64>, DMatrix<f64>)>>,
+    /// By way: q_A − q_B in units of σ, JᵀWJ, and JᵀW (q_A − q_B)/σ.
+    ways: Vec<(DVector<f64>, DMatrix<f64>, DVector<f64>)>,
+}
+
+impl<'a> DriveDiscrimination<'a> {
+    /// The doubts that a diagnosis leaves, numbers that are `wanted` narrower, for a motion of so many seconds.
+    ///
+    /// # Errors
+    /// As [`diagnose`](crate::drives::diagnose).
+    pub fn new(
+        diagnosis: &'a Diagnosis,
+        [fitted, held_out]: [&'a [DriveRecording]; 2],
+        wanted: &[DeviationGoal],
+        motion_s: f64,
+    ) -> Result<Self, DriveError> {
+        let given = &diagnosis.options;
+        let block_s = block_s(seconds(held_out) + motion_s, held_out.len() + 1, given);
+        let options = Options { block_s, ..given.clone() };
+        let search = Search { fitted, held_out, options: &options, demands: &diagnosis.demands };
+        let mut own = Self {
+            diagnosis,
+            fitted,
+            options: options.clone(),
+            models: vec![diagnosis.model.clone()],
+            moves: vec![true],
+            ways: Vec::new(),
+            contests: Vec::new(),
+            doubts: Vec::new(),
+        };
+        for finding in &diagnosis.findings {
+            for id in &finding.alternatives {
+                let Some(other) = STRUCTURES.iter().find(|s| s.id == *id) else { continue };
+                let rival = own.add(search.instead(&diagnosis.model, &finding.structure, other)?, true);
+                let claimed = Subject::of(finding.structure.id);
+                let ways = [[0, rival], [rival, 0]].map(|way| own.way(way));
+                own.push(ModelContest::Rivals(ways), Doubt::Rivals { claimed, rival: Subject::of(id) });
+            }
+        }
+        for contested in &diagnosis.contested {
+            let is_small = contested.objection == Objection::Size;
+            let other = own.add(contested.rival.clone(), is_small || !contested.is_absent);
+            let [with, without] = if contested.is_absent { [other, 0] } else { [0, other] };
+            let (level, structure) = (contested.level, contested.structure);
+            let small = is_small.then_some(with);
+            let contest = ModelContest::There { way: own.way([with, without]), level, structure, small };
+            own.push(contest, Doubt::Indicated(Subject::of(structure.id)));
+        }
+        own.add_numbers(wanted);
+        let judged: Result<Vec<Missed>, DriveError> =
+            own.models.par_iter().map(|model| Missed::of(&model.fit.arm, held_out, &options)).collect();
+        own.models.iter_mut().zip(judged?).for_each(|(model, missed)| model.missed = missed);
+        Ok(own)
+    }
+
+    fn add(&mut self, model: JudgedFit, moves: bool) -> usize {
+        self.models.push(model);
+        self.moves.push(moves);
+        self.models.len() - 1
+    }
+
+    fn way(&mut self, way: [usize; 2]) -> usize {
+        self.ways.push(way);
+        self.ways.len() - 1
+    }
+
+    fn push(&mut self, contest: ModelContest, doubt: Doubt) {
+        self.contests.push(contest);
+        self.doubts.push(doubt);
+    }
+
+    /// Numbers that are wanted narrower, and directions that are open.
+    fn add_numbers(&mut self, wanted: &[DeviationGoal]) {
+        let fit = &self.diagnosis.improved;
+        let mut found = Vec::new();
+        for wanted in wanted {
+            let is_meant = |name: &str| name == wanted.parameter || stem(name) == wanted.parameter;
+            for (k, number) in fit.numbers.iter().enumerate().filter(|(_, n)| is_meant(&n.name)) {
+                let wanted = DeviationGoal { parameter: stem(&number.name).to_owned(), std: wanted.std };
+                let doubt = Doubt::Wide { subject: subject_of(&number.name), wanted: wanted.clone() };
+                found.push((ModelContest::Number(k, wanted.std), doubt));
+            }
+        }
+        for Undetermined { names, changes, .. } in &fit.undetermined {
+            let change = |name: &String| names.iter().position(|n| n == name).map_or(0.0, |k| changes[k]);
+            let all = fit.numbers.iter().map(|n| change(&n.name));
+            let direction = DVector::from_iterator(fit.numbers.len(), all).normalize();
+            found.push((ModelContest::Direction(direction), Doubt::Undetermined(names.clone())));
+        }
+        found.into_iter().for_each(|(contest, doubt)| self.push(contest, doubt));
+    }
+
+    /// Rollouts of all models over the commands of a recording, from where it starts.
+    fn rolled(&self, recording: &DriveRecording) -> Result<DriveMoments, DriveError> {
+        let sigma = self.options.deviation_rad;
+        let (first, joints) = (recording.first, recording.command.len());
+        let time_s = &recording.time_s[first..];
+        let seconds = time_s[time_s.len() - 1] - time_s[0];
+        let of_block = self.options.block_s / seconds * time_s.len() as f64;
+        let stride = ((of_block / SAMPLES) as usize).max(1);
+        let mut blocks: Vec<(f64, std::ops::Range<usize>)> = Vec::new();
+        let mut column = 0;
+        for (k, t) in time_s.iter().enumerate() {
+            let block = ((t - time_s[0]) / self.options.block_s) as usize;
+            blocks.resize(blocks.len().max(block + 1), (0.0, column..column));
+            blocks[block].0 += 1.0;
+            column += if k.is_multiple_of(stride) { joints } else { 0 };
+            blocks[block].1.end = column;
+        }
+        let rollouts: Result<Vec<Vec<Vec<f64>>>, DriveError> =
+            self.models.iter().map(|model| model.fit.arm.rollout(recording)).collect();
+        let rollouts = rollouts?;
+        let mut slopes_of = Vec::new();
+        for (model, moves) in self.models.iter().zip(&self.moves) {
+            let of = || slopes(&model.fit.arm, &model.selection, recording, &self.options, stride);
+            let own = moves.then(of).transpose()?;
+            slopes_of.push(own.map(|j| (&j * j.transpose() * stride as f64, j)).map(|(gram, j)| (j, gram)));
+        }
+        let at = |model: usize, column: usize| rollouts[model][column % joints][column / joints * stride];
+        let way = |[a, b]: &[usize; 2]| {
+            let apart = DVector::from_fn(column, |c, _| (at(*a, c) - at(*b, c)) / sigma);
+            let Some((j, _)) = &slopes_of[*b] else {
+                return (apart, DMatrix::zeros(0, 0), DVector::zeros(0));
+            };
+            let weighted = DMatrix::from_fn(j.nrows(), column, |r, c| j[(r, c)] * loss(apart[c]).1);
+            let (information, pull) = (&weighted * j.transpose(), &weighted * &apart);
+            (apart, information * stride as f64, pull * stride as f64)
+        };
+        let ways = self.ways.iter().map(way).collect();
+        let distance = |(q, command): (&Vec<f64>, &Vec<f64>)| {
+            q.iter().zip(&command[first..]).fold(0.0_f64, |most, (q, c)| most.max((q - c).abs()))
+        };
+        Ok(DriveMoments {
+            parts: vec![Arc::new(MotionRollouts { blocks, slopes: slopes_of, ways })],
+            largest_rad: rollouts[0].iter().zip(&recording.command).map(distance).collect(),
+            seconds,
+        })
+    }
+
+    /// The test of the true model of a way against its rival, the numbers of which are estimated again, and the root mean square of
+    /// what these leave, in units of σ.
+    fn foreseen(&self, way: usize, level: f64, planned: &DriveMoments) -> (Foresight, f64) {
+        let [truth, rival] = self.ways[way].map(|k| &self.models[k]);
+        let fit = &rival.fit;
+        let mut curvature = known(fit);
+        let mut pull = DVector::zeros(fit.numbers.len());
+        for part in &planned.parts {
+            let (_, information, own) = &part.ways[way];
+            curvature += information;
+            pull += own;
+        }
+        let step = solved(curvature, &pull, fit);
+        let (mut motion, mut squares, mut count) = (Vec::new(), 0.0, 0_usize);
+        for part in &planned.parts {
+            let Some((j, _)) = &part.slopes[self.ways[way][1]] else { continue };
+            let left = j.tr_mul(&step) - &part.ways[way].0;
+            squares += left.norm_squared();
+            count += left.len();
+            motion.extend(part.blocks.iter().filter(|(_, columns)| !columns.is_empty()).map(
+                |(samples, columns)| BlockApart {
+                    samples: *samples,
+                    apart_rad: columns.clone().map(|c| self.options.deviation_rad * left[c]).collect(),
+                },
+            ));
+        }
+        let foresight = Foresight::of([&truth.missed, &rival.missed], &motion, level, &self.options);
+        (foresight, (squares / count.max(1) as f64).sqrt())
+    }
+
+    /// Variances of a model's numbers along directions with a motion recorded, over those of now; in units of what was known
+    /// beforehand.
+    fn information(&self, model: usize, planned: Option<&DriveMoments>) -> DMatrix<f64> {
+        let mut sum = known(&self.models[model].fit);
+        let parts = planned.iter().flat_map(|p| &p.parts);
+        parts.filter_map(|part| part.slopes[model].as_ref()).for_each(|(_, gram)| sum += gram);
+        sum
+    }
+
+    /// The deviations of a model's numbers with a motion recorded: what numbers that are given may be off stays.
+    fn narrowed(&self, model: usize, planned: &DriveMoments) -> Vec<[f64; 2]> {
+        let fit = &self.models[model].fit;
+        let variances = |information: DMatrix<f64>| information.cholesky().map(|c| c.inverse().diagonal());
+        let [now, then] = [None, Some(planned)].map(|p| variances(self.information(model, p)));
+        let (Some(now), Some(then)) = (now, then) else { return Vec::new() };
+        let wide = if model == 0 { &self.diagnosis.improved.numbers } else { &fit.numbers };
+        let of = |(k, number): (usize, &aurt_calibration::drives::EstimatedNumber)| {
+            let given = (wide[k].deviation.powi(2) - number.deviation.powi(2)).max(0.0).sqrt();
+            [wide[k].deviation, given.hypot(number.deviation * (then[k] / now[k]).sqrt())]
+        };
+        fit.numbers.iter().enumerate().map(of).collect()
+    }
+
+    fn of_structure(
+        &self,
+        contest: (usize, f64, &Structure, Option<usize>),
+        planned: &DriveMoments,
+    ) -> Outlook {
+        let (way, level, structure, small) = contest;
+        let (foresight, free) = self.foreseen(way, level, planned);
+        let is_enough = foresight.reduction >= self.diagnosis.demands.reduction;
+        // A number of it must lie two deviations from nothing.
+        let sized = small.map_or(1.0, |model| {
+            let numbers = self.models[model].fit.numbers.iter().zip(self.narrowed(model, planned));
+            let own = numbers.filter(|(n, _)| structure.has(&n.name));
+            let from = |start: f64| structure.neutral().unwrap_or(start);
+            let far = own.map(|(n, [_, std])| (n.value - from(n.start)).abs() / std.max(f64::MIN_POSITIVE));
+            Normal::standard().cdf(far.fold(0.0, f64::max) - 2.0)
+        });
+        let settled = if is_enough { foresight.rightly.min(sized) } else { 0.0 };
+        outlook(settled, level, foresight.deviations, free)
+    }
+
+    fn of_direction(&self, direction: &DVector<f64>, planned: &DriveMoments) -> Outlook {
+        let fit = &self.models[0].fit;
+        let n = fit.numbers.len();
+        // What the recordings know alone.
+        let information = self.information(0, Some(planned)) - DMatrix::identity(n, n) * (1.0 - 1e-9);
+        let variance = direction.dot(&solved(information, direction, fit));
+        let ratio = if variance > 0.0 { variance.recip().sqrt() } else { 0.0 };
+        outlook(ratio.min(1.0), 0.0, ratio, ratio)
+    }
+}
+
+fn outlook(settled: f64, wrongly: f64, deviations: f64, free: f64) -> Outlook {
+    let evidence = deviations.max(0.0).powi(2);
+    Outlook { nats: None, settled, wrongly, evidence, free, interval: None }
+}
+
+/// The information of the present recordings and of what was known beforehand.
+fn known(fit: &aurt_calibration::drives::OutputErrorFit) -> DMatrix<f64> {
+    &fit.information + DMatrix::identity(fit.numbers.len(), fit.numbers.len())
+}
+
+/// The solution of normal equations in which numbers at a bound stay.
+fn solved(
+    mut matrix: DMatrix<f64>,
+    right: &DVector<f64>,
+    fit: &aurt_calibration::drives::OutputErrorFit,
+) -> DVector<f64> {
+    let mut right = right.clone();
+    for (k, _) in fit.numbers.iter().enumerate().filter(|(_, n)| n.at_bound) {
+        matrix.row_mut(k).fill(0.0);
+        matrix.column_mut(k).fill(0.0);
+        (matrix[(k, k)], right[k]) = (1.0, 0.0);
+    }
+    let zero = right.clone() * 0.0;
+    matrix.cholesky().map_or(zero, |c| c.solve(&right))
+}
+
+impl Subject {
+    /// A structure of drives.
+    fn of(id: &'static str) -> Self {
+        Self { id, joints: Vec::new(), is_whole_arm: true }
+    }
+}
+
+/// The structure that a number is of, with its joint.
+fn subject_of(number: &str) -> Subject {
+    let id = STRUCTURES.iter().find(|s| s.has(number)).map_or("drive", |s| s.id);
+    let joint = number[stem(number).len()..].trim_start_matches('_').parse().ok();
+    Subject { id, joints: joint.into_iter().collect(), is_whole_arm: joint.is_none() }
+}
+
+impl Discriminator for DriveDiscrimination<'_> {
+    type Planned = DriveMoments;
+
+    fn doubts(&self) -> &[Doubt] {
+        &self.doubts
+    }
+
+    fn planned(&self, motion: &Recording) -> Result<DriveMoments, DiagnosisError> {
+        let command = motion.position_rad.clone();
+        let still: Vec<Vec<f64>> = command.iter().map(|c| vec![c[0]; motion.time_s.len()]).collect();
+        let mut recording = DriveRecording {
+            time_s: motion.time_s.clone(),
+            position_rad: still.clone(),
+            command: still,
+            ..DriveRecording::default()
+        };
+        let settles = recording.time_s.partition_point(|t| *t < recording.time_s[0] + SETTLES_S).max(3);
+        let rested = self.models[0].fit.arm.rollout(&recording.part(0..settles))?;
+        recording.command = command;
+        for (position, rested) in recording.position_rad.iter_mut().zip(&rested) {
+            position.fill(rested[rested.len() - 1]);
+        }
+        Ok(self.rolled(&recording)?)
+    }
+
+    fn and(&self, mut one: DriveMoments, other: &DriveMoments) -> DriveMoments {
+        one.parts.extend(other.parts.iter().cloned());
+        one.largest_rad.iter_mut().zip(&other.largest_rad).for_each(|(most, other)| *most = most.max(*other));
+        one.seconds += other.seconds;
+        one
+    }
+
+    fn recorded_again(&self, other: &DriveMoments) -> Result<DriveMoments, DiagnosisError> {
+        let share = (other.seconds / seconds(self.fitted)).min(1.0);
+        let mut all = DriveMoments {
+            largest_rad: vec![0.0; self.models[0].arm.joints.len()],
+            ..DriveMoments::default()
+        };
+        for recording in self.fitted {
+            let last = recording.first + (share * (recording.time_s.len() - recording.first) as f64) as usize;
+            if last >= recording.first + 3 {
+                all = self.and(all, &self.rolled(&recording.part(recording.first..last))?);
+            }
+        }
+        Ok(all)
+    }
+
+    fn outlook_of(&self, doubts: &[usize], planned: &DriveMoments) -> Vec<Outlook> {
+        let of = |k: &usize| match &self.contests[*k] {
+            ModelContest::Rivals(ways) => {
+                let level = self.diagnosis.demands.level;
+                let [one, other] = ways.map(|way| self.foreseen(way, level, planned));
+                let deviations = one.0.deviations.min(other.0.deviations);
+                let settled = one.0.rightly.min(other.0.rightly);
+                outlook(settled, one.0.wrongly.max(other.0.wrongly), deviations, one.1.min(other.1))
+            }
+            ModelContest::There { way, level, structure, small } => {
+                self.of_structure((*way, *level, structure, *small), planned)
+            }
+            ModelContest::Direction(direction) => self.of_direction(direction, planned),
+            ModelContest::Number(k, wanted) => {
+                let [now, after] = self.narrowed(0, planned).get(*k).copied().unwrap_or([f64::INFINITY; 2]);
+                let number = &self.diagnosis.improved.numbers[*k];
+                let (parameter, value) = (number.name.clone(), json!(number.value));
+                let interval = Some(Interval { parameter, value, now, after });
+                Outlook { interval, ..outlook((wanted / after).min(1.0), 0.0, wanted / after, 1.0) }
+            }
+        };
+        doubts.iter().map(of).collect()
+    }
+
+    fn intervals(&self, planned: &DriveMoments) -> Vec<(Subject, Vec<Interval>)> {
+        let claims =
+            self.diagnosis.findings.iter().filter(|f| matches!(f.answer, Answer::Missing | Answer::Wrong));
+        let narrowed = self.narrowed(0, planned);
+        let numbers = || self.diagnosis.improved.numbers.iter().zip(&narrowed);
+        let of = |structure: &Structure| {
+            let own = numbers().filter(|(n, _)| structure.has(&n.name));
+            own.map(|(n, [now, after])| Interval {
+                parameter: n.name.clone(),
+                value: json!(n.value),
+                now: *now,
+                after: *after,
+            })
+            .collect()
+        };
+        claims.map(|f| (Subject::of(f.structure.id), of(&f.structure))).collect()
+    }
+
+    fn largest<'m>(&self, planned: &'m DriveMoments) -> &'m [f64] {
+        &planned.largest_rad
+    }
+
+    fn nats_to_decide(&self, _probability: f64) -> f64 {
+        f64::INFINITY
+    }
+}
