@@ -20,6 +20,7 @@ import pathlib
 import random
 import time
 
+import next_proof_servo as servo
 import next_proof_worlds as worlds
 
 WAYS = {"planned": "the motion that `aurt next` plans", "generic": "a multi-sine of `aurt excite`", "again": "the first motion again"}
@@ -39,6 +40,7 @@ class Case:
         else:
             self.lab = worlds.Simulated(program, self.robot, folder, world == "rough", rng)
         self.lab.conceal(rng.choice(worlds.EFFECTS), sizes, rng)
+        self.effect, self.joint = self.lab.effect, self.lab.joint
         self.seed, self.duration_s, self.motion = rng.randrange(2 ** 31), rng.uniform(12.0, 20.0), rng.choice(worlds.MOTIONS)
         (folder / "mdh.csv").write_text(self.lab.mdh)
         rows = [["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"], *self.lab.limits()]
@@ -103,9 +105,20 @@ class Case:
         columns = {"planned": "planned", "generic": "multi_sine", "again": "recorded_again"}
         return {way: min((o[column]["settled"] for o in own), default=0.0) for way, column in columns.items()}
 
+    def excite(self, common, out):
+        worlds.run(self.program, "excite", "--mdh", self.folder / "mdh.csv", "--gravity", *self.lab.gravity, *common, "--tries", "100",
+                   "--seed", self.seed % 1000, "--out", out)
+
+    def first_again(self, added_s, out):
+        again = worlds.beginning(self.first, added_s) if added_s else self.first
+        worlds.write_motion(out, added_s or self.duration_s, again)
+
+    def record(self, name, seed):
+        self.lab.record(name, seed)
+
     def run(self, lengths_s):
         """The row of the table; nothing is added where nothing is open."""
-        row = {"case": self.folder.name, "robot": self.robot, "effect": self.lab.effect, "joint": self.lab.joint, "motion": self.motion}
+        row = {"case": self.folder.name, "robot": self.robot, "effect": self.effect, "joint": self.joint, "motion": self.motion}
         try:
             before = self.verdict("first")
         except RuntimeError as refused:
@@ -127,16 +140,18 @@ class Case:
         plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common, "--out", motions["planned"]).stdout)
         result = {"stated": self.stated(plan), "planning_s": round(time.monotonic() - began_s, 2)}
         (self.folder / f"plan_{duration_s}.json").write_text(json.dumps(plan, indent=1))
-        worlds.run(self.program, "excite", "--mdh", self.folder / "mdh.csv", "--gravity", *self.lab.gravity, *common, "--tries", "100",
-                   "--seed", self.seed % 1000, "--out", motions["generic"])
-        again = worlds.beginning(self.first, added_s) if added_s else self.first
-        worlds.write_motion(motions["again"], added_s or self.duration_s, again)
+        self.excite(common, motions["generic"])
+        self.first_again(added_s, motions["again"])
         for k, way in enumerate(WAYS):
             result[way] = "open"
             if motions[way].is_file():
-                self.lab.record(name(way), self.seed + 1 + k)
+                self.record(name(way), self.seed + 1 + k)
                 result[way] = self.judged(self.verdict("first", name(way)))
         return result
+
+
+class ServoCase(servo.Servos, Case):
+    """A servo arm with a concealed effect."""
 
 
 def table(rows):
@@ -160,7 +175,7 @@ def table(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--aurt", default="target/release/aurt")
-    parser.add_argument("--world", choices=("clean", "rough", "mujoco"), default="clean")
+    parser.add_argument("--world", choices=("clean", "rough", "mujoco", "servo"), default="clean")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, default=40)
     parser.add_argument("--added-s", type=float, nargs="+", default=[0.0], help="lengths of the added recordings; 0: that of the first")
@@ -178,7 +193,8 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     with (arguments.out / "rows.jsonl").open("a") as kept:
         for k, seed in enumerate(seeds[arguments.first:], arguments.first):
-            case = Case(arguments.aurt, arguments.world, arguments.sizes, arguments.out / f"case_{k:03}", random.Random(seed))
+            kind = ServoCase if arguments.world == "servo" else Case
+            case = kind(arguments.aurt, arguments.world, arguments.sizes, arguments.out / f"case_{k:03}", random.Random(seed))
             rows.append(case.run(arguments.added_s))
             print(rows[-1], flush=True)
             kept.write(json.dumps(rows[-1]) + "\n")

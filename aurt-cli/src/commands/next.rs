@@ -167,6 +167,10 @@ impl NextMotion {
             let reason = format!("`{name}` is not one of the effects");
             return refuse("--without", reason, &format!("name one of {}", known.join(", ")));
         }
+        if has_drive && self.model.is_some() {
+            let reason = "is of recordings with torques, and this experiment has a [drive]".to_owned();
+            return refuse("--model", reason, "leave it out");
+        }
         let has = |parameter: &str| effects::ALL.into_iter().any(|e| e.parameter(parameter).is_some());
         if let Some(DeviationGoal { parameter, .. }) =
             self.until.iter().find(|u| !has_drive && !has(&u.parameter))

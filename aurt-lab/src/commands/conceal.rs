@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    case::{Plan, Truth, conceal},
+    case::{Plan, Truth, World, conceal},
     commands::{Report, Session},
     injected::InjectedWorld,
     product::Failure,
@@ -28,6 +28,9 @@ pub struct Conceal {
     /// Add effects to this experiment's recordings instead of simulating
     #[arg(long, value_name = "EXPERIMENT.toml")]
     into: Option<PathBuf>,
+    /// World to make cases of: clean, rough or servo
+    #[arg(long, default_value = "clean", value_parser = super::prove::world, conflicts_with = "into")]
+    world: World,
     /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
@@ -54,8 +57,9 @@ impl Conceal {
         if let Some(experiment) = &self.into {
             return self.run_into(experiment, plan, session);
         }
-        let progress = session.progress(plan.requests(self.seed)?.len());
-        let count = conceal(&plan, self.seed, &self.cases, &self.sealed, &|case| progress.step(case))?;
+        let progress = session.progress(plan.requests_of(self.world, self.seed)?.len());
+        let count =
+            conceal(&plan, self.world, self.seed, &self.cases, &self.sealed, &|case| progress.step(case))?;
         Ok(self.report(count, &[], None))
     }
 

@@ -81,7 +81,7 @@ pub struct Prove {
     proofs: Vec<PathBuf>,
 }
 
-fn world(name: &str) -> Result<World, String> {
+pub(super) fn world(name: &str) -> Result<World, String> {
     World::named(name).ok_or_else(|| {
         let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
         format!("there is no such world; known are {}", known.join(", "))

@@ -3,31 +3,25 @@
 use std::path::Path;
 
 use crate::{
-    case::{CaseRequest, Plan, World, servo},
+    case::{Plan, World},
     product::Failure,
 };
 
 use super::source::{Ingredients, Planned, Source};
-use aurt_simulation::Random;
 
 #[derive(Debug)]
 pub struct Simulated {
     world: World,
     plan: Plan,
     seed: u64,
-    /// What is asked of servo arms, whose effects are their own.
-    servos: Vec<CaseRequest>,
     planned: Vec<Planned>,
 }
 
 impl Simulated {
     pub fn new(world: World, ingredients: &Ingredients) -> Result<Self, Failure> {
         let (plan, seed) = (ingredients.plan.clone(), ingredients.seed);
-        let is_servo = world == World::Servo;
-        let servos = if is_servo { servo::requests(&plan, seed) } else { Vec::new() };
-        let planned = if is_servo { servos.clone() } else { plan.requests(seed)? };
-        let planned = planned.iter().map(Planned::from).collect();
-        Ok(Self { world, plan, seed, servos, planned })
+        let planned = plan.requests_of(world, seed)?.iter().map(Planned::from).collect();
+        Ok(Self { world, plan, seed, planned })
     }
 }
 
@@ -37,14 +31,7 @@ impl Source for Simulated {
     }
 
     fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
-        let make = || match self.servos.get(index) {
-            Some(request) => {
-                let seed = Random::labelled(self.seed, &format!("servo {index}")).bits();
-                servo::make(&Plan::case_name(index), request, seed)
-            }
-            None => self.plan.make(self.world, self.seed, index),
-        };
-        let write = || make()?.write(cases, sealed);
+        let write = || self.plan.make(self.world, self.seed, index)?.write(cases, sealed);
         write().map_err(|error| error.to_string())
     }
 }

@@ -21,11 +21,6 @@ pub(super) fn plan(
     check: Option<&KeepOutCheck>,
     progress: &Progress,
 ) -> Result<Next, Failure> {
-    let refuse = |option, reason: &str, remedy: &str| Err(Failure::argument(option, reason, remedy));
-    if options.diagnosis.frozen.is_some() {
-        let reason = "is of recordings with torques, and this experiment has a [drive]";
-        return refuse("--model", reason, "leave it out");
-    }
     if let Some(drive) = &experiment.drive {
         if !drive.joints.iter().all(|joint| joint.drive.command() == Command::Position) {
             let reason =
@@ -38,7 +33,8 @@ pub(super) fn plan(
         if let Some(wanted) = options.wanted.iter().find(|wanted| !is_estimated(&wanted.parameter)) {
             let remedy =
                 format!("name one of {}; `gain_nm_per_rad_2` is that of joint 2", estimated.join(", "));
-            return refuse("--until", &format!("`{}` is not estimated", wanted.parameter), &remedy);
+            let reason = format!("`{}` is not estimated", wanted.parameter);
+            return Err(Failure::argument("--until", reason, remedy));
         }
     }
     let asked = DiagnosedSetting::of(experiment, &options.diagnosis.without, progress)?;

@@ -1,14 +1,14 @@
 //! Cases of servo arms.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, path::Path};
 
-use aurt_simulation::{Random, SimulationError, robots::Rotors};
+use aurt_simulation::{Motion, MotionLimits, Random, Robot, SimulationError, robots::Rotors};
 use serde_json::json;
 
 use super::{
     arm::{GRAVITY_M_S2, ServoArm},
     effect::{EFFECTS, ServoEffect, factors},
-    motion::commands,
+    motion::{STREAM_S, commands},
     plant::{Recorded, simulate},
 };
 use crate::{
@@ -78,20 +78,48 @@ struct Arms {
     reached: Vec<(f64, Vec<f64>)>,
 }
 
-pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
+/// What is drawn of a case, and what further draws come from.
+struct Drawn {
+    effects: Vec<&'static ServoEffect>,
+    arms: Arms,
+    /// Commands of each recording.
+    streams: Vec<Vec<Vec<f64>>>,
+    random: Random,
+}
+
+fn drawn(name: &str, ids: &[String], strength: Strength, seed: u64) -> Result<Drawn, SimulationError> {
     let refuse = |reason: String| SimulationError::unreadable(name, reason);
     let of = |id: &String| {
         EFFECTS.iter().find(|e| e.id == *id).ok_or_else(|| refuse(format!("servo arms have no `{id}`")))
     };
-    let effects = request.effects.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let effects = ids.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let mut random = Random::labelled(seed, "servo");
     let mut drawn = ServoArm::draw(&mut random);
     effects.iter().for_each(|e| e.without(&mut drawn));
     let streams: Vec<Vec<Vec<f64>>> = (0..RECORDINGS.0 + RECORDINGS.1)
         .map(|_| drawn.servos.iter().map(|_| commands(RECORDINGS.2, &mut random)).collect())
         .collect();
-    let failed = |error: aurt_rbd::RbdError| refuse(error.to_string());
-    let arms = arms(drawn, &effects, request.strength, &streams[0], &mut random).map_err(failed)?;
+    let arms = arms(drawn, &effects, strength, &streams[0], &mut random);
+    let arms = arms.map_err(|error| refuse(error.to_string()))?;
+    Ok(Drawn { effects, arms, streams, random })
+}
+
+/// The recording of a motion by the arm of a case, as a table like those of the case.
+pub(crate) fn record(truth: &Truth, motion: &Path, seed: u64) -> Result<Vec<u8>, SimulationError> {
+    let ids: Vec<String> = truth.effects.iter().map(|e| e.effect.clone()).collect();
+    let Drawn { arms, .. } = drawn(&truth.case, &ids, truth.strength, truth.seed)?;
+    let limits = MotionLimits { position_rad: [-1e9, 1e9], velocity_rad_s: 1e9, acceleration_rad_s2: 1e9 };
+    let robot = Robot::of_limits("arm", &vec![limits; arms.truth.servos.len()]);
+    let motion = Motion::Recorded { file: motion.to_owned() }.plan(&robot, seed)?;
+    let mut streams = vec![Vec::new(); robot.joints()];
+    motion.rows(1.0 / STREAM_S, |_, q, _, _| streams.iter_mut().zip(q).for_each(|(s, q)| s.push(*q)))?;
+    let recorded = simulate(&arms.truth, &streams, seed);
+    Ok(table(&recorded.map_err(|error| SimulationError::unreadable(&truth.case, error.to_string()))?))
+}
+
+pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
+    let failed = |error: aurt_rbd::RbdError| SimulationError::unreadable(name, error.to_string());
+    let Drawn { effects, arms, streams, mut random } = drawn(name, &request.effects, request.strength, seed)?;
     // The draw is made in every case: what is given says nothing of what is concealed.
     let gains_given = random.chance(GIVEN) || request.effects.iter().any(|e| e == "torque_constant");
     let urdf = arms.described.urdf(&mut random);
