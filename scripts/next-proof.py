@@ -31,6 +31,8 @@ F_DYN_HZ = 6.0
 class Case:
     """An arm with a concealed effect, and its experiments."""
 
+    has_limits = True
+
     def __init__(self, program, world, sizes, folder, rng):
         self.program, self.folder = program, folder
         folder.mkdir(parents=True, exist_ok=True)
@@ -137,7 +139,8 @@ class Case:
         motions = {way: self.folder / f"{name(way)}_motion.csv" for way in WAYS}
         common = ["--limits", self.folder / "limits.csv", "--duration-s", duration_s, "--json"]
         began_s = time.monotonic()
-        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common, "--out", motions["planned"]).stdout)
+        own = common if self.has_limits else common[2:]
+        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *own, "--out", motions["planned"]).stdout)
         result = {"stated": self.stated(plan), "planning_s": round(time.monotonic() - began_s, 2)}
         (self.folder / f"plan_{duration_s}.json").write_text(json.dumps(plan, indent=1))
         self.excite(common, motions["generic"])

@@ -14,11 +14,14 @@ from next_proof_worlds import run
 EFFECTS = ("time_delay", "dead_band", "coulomb", "stribeck", "load_dependent_friction", "payload", "speed_limit", "saturation",
            "torque_constant")
 CLAIMS = ("missing", "given_wrong")
-OVER_S = 0.1
+OVER_S = 0.02
 
 
 class Servos:
     """The methods of a case in which an arm of servos differs from one that records torques."""
+
+    # What `aurt next` takes from the recordings.
+    has_limits = False
 
     def __init__(self, program, _world, _sizes, folder, rng):
         self.program, self.folder, self.robot, self.joint, self.motion = program, folder, "servo_arm", None, "commands"

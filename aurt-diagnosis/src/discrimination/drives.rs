@@ -23,7 +23,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::{DeviationGoal, Discriminator, Doubt, Interval, Outlook, Subject};
 use crate::drives::{
     Answer, BlockApart, Diagnosis, Foresight, JudgedFit, Missed, Objection, STRUCTURES, Search, Structure,
-    block_s, seconds,
+    seconds,
 };
 use crate::error::DiagnosisError;
 
@@ -96,7 +96,7 @@ impl<'a> DriveDiscrimination<'a> {
         motion_s: f64,
     ) -> Result<Self, DriveError> {
         let given = &diagnosis.options;
-        let block_s = block_s(seconds(held_out) + motion_s, held_out.len() + 1, given);
+        let block_s = crate::drives::block_s(seconds(held_out) + motion_s, held_out.len() + 1, given);
         let options = Options { block_s, ..given.clone() };
         let search = Search { fitted, held_out, options: &options, demands: &diagnosis.demands };
         let mut own = Self {
@@ -128,6 +128,9 @@ impl<'a> DriveDiscrimination<'a> {
             own.push(contest, Doubt::Indicated(Subject::of(structure.id)));
         }
         own.add_numbers(wanted);
+        if block_s == crate::drives::block_s(seconds(held_out), held_out.len(), given) {
+            return Ok(own);
+        }
         let judged: Result<Vec<Missed>, DriveError> =
             own.models.par_iter().map(|model| Missed::of(&model.fit.arm, held_out, &options)).collect();
         own.models.iter_mut().zip(judged?).for_each(|(model, missed)| model.missed = missed);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::layout::RecordingSettings;
 use super::make::case_type;
 use super::request::CaseRequest;
+use super::servo;
 use crate::{
     effects::{kind, unknown_effects},
     strength::Strength,
@@ -98,7 +99,11 @@ impl Plan {
         SimulationError::refuse_tables(path.as_ref(), text)?;
         let plan: Self =
             toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))?;
-        plan.requests(0).map_err(|error| match error {
+        let known = match plan.requests(0) {
+            Err(SimulationError::UnknownEffect { ref name, .. }) if servo::has(name) => Ok(Vec::new()),
+            known => known,
+        };
+        known.map_err(|error| match error {
             SimulationError::Unreadable { reason, .. } => {
                 SimulationError::Unreadable { path: path.as_ref().into(), reason }
             }

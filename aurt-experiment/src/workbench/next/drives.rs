@@ -12,8 +12,9 @@ use crate::Experiment;
 use crate::workbench::driving::DiagnosedSetting;
 use crate::workbench::failure::Failure;
 
-/// Time over which speeds of commands are taken, s: that in which a servo follows a step.
-const OVER_S: f64 = 0.1;
+/// Time over which speeds of commands are taken, s, or a row where rows are farther apart: that between two commands of a host
+/// whose log has more rows.
+const OVER_S: f64 = 0.02;
 
 pub(super) fn plan(
     experiment: &Experiment,
@@ -83,7 +84,7 @@ fn commanded(recordings: &[&DriveRecording], joint: usize) -> JointMotion {
     for recording in recordings {
         let command = &recording.command[joint];
         range = command.iter().fold(range, |[low, high], c| [low.min(*c), high.max(*c)]);
-        let over = (OVER_S * rate_hz(&recording.time_s)).ceil().max(1.0) as usize;
+        let over = (OVER_S * rate_hz(&recording.time_s)).round().max(1.0) as usize;
         let over_s = over as f64 / rate_hz(&recording.time_s);
         let speeds: Vec<f64> =
             (over..command.len()).map(|k| (command[k] - command[k - over]) / over_s).collect();

@@ -35,7 +35,9 @@ impl<D: Discriminator> Exchange<'_, D> {
     ) -> Result<(Vec<usize>, Trajectory, D::Planned), Failure> {
         let chosen = self.exchanged();
         let trajectory = self.sequence(&chosen);
-        trajectory.check(&self.robot)?;
+        if !self.planner.surroundings.is_of_drives {
+            trajectory.check(&self.robot)?;
+        }
         let planned = self.planner.moments(&trajectory)?;
         match self.pieces.iter().position(|piece| piece.words == GENERIC) {
             Some(k) if self.value(generic) > self.value(&planned) => {

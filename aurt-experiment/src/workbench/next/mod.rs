@@ -97,7 +97,7 @@ const PIECES: usize = 8;
 /// Pieces are drawn as long as for a motion of one piece, of two, … and of so many.
 const FULL_PIECES: usize = 4;
 /// The most that a way between two pieces is expected to take, over the time of a piece and its way.
-const WAY: f64 = 0.25;
+const WAY_PART: f64 = 0.25;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
 /// Shortest time of a piece, s: a stroke or two, of which the ends are at rest.
@@ -110,6 +110,11 @@ const GENERIC: &str = "a multi-sine as of `aurt excite`";
 const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
 const SHARE: f64 = 0.8;
+/// The greatest speed and acceleration of a way between two pieces of commands, rad/s and rad/s²: servos follow it.
+const WAY_LIMITS: [f64; 2] = [1.0, 10.0];
+/// The share of the largest recorded distance of position and command that a step of the command has at most: an arm hangs
+/// below its command before it.
+const STEP: f64 = 0.9;
 /// A doubt that all pieces together do not settle with the first probability is beyond motions like these; with the second where
 /// no doubt reaches the first, since a motion that helps is better than none.
 const EVER: [f64; 2] = [0.5, 0.05];
@@ -188,6 +193,18 @@ struct Piece<M> {
     planned: M,
 }
 
+/// Limits of steps of a command, about the middle of others: within a row and a half it has moved by a width.
+fn step_limits(limits: &MotionLimits, most_rad: f64, rate_hz: f64) -> MotionLimits {
+    let [low, high] = limits.position_rad;
+    let (middle, width, step_s) = (0.5 * (low + high), most_rad.min(high - low), 1.5 / rate_hz);
+    MotionLimits {
+        position_rad: [middle - 0.5 * width, middle + 0.5 * width],
+        // The smooth step of a motion is at most 2.19 and 7.52 times as fast as its mean.
+        velocity_rad_s: 2.2 * width / step_s,
+        acceleration_rad_s2: 7.6 * width / (step_s * step_s),
+    }
+}
+
 impl NextOptions {
     /// The limits that were given, for so many joints.
     fn given_limits(&self, joints: usize) -> Result<Option<Vec<MotionLimits>>, Failure> {
@@ -201,6 +218,16 @@ impl NextOptions {
 }
 
 impl<D: Discriminator> Planner<'_, D> {
+    /// The arm with the limits of ways between pieces.
+    fn on_ways(&self) -> Robot {
+        let mut limits = self.surroundings.limits.clone();
+        for own in limits.iter_mut().filter(|_| self.surroundings.is_of_drives) {
+            own.velocity_rad_s = own.velocity_rad_s.min(WAY_LIMITS[0]);
+            own.acceleration_rad_s2 = own.acceleration_rad_s2.min(WAY_LIMITS[1]);
+        }
+        Robot::of_limits("arm", &limits)
+    }
+
     fn plan(self, progress: &Progress) -> Result<Next, Failure> {
         let doubts = self.discrimination.doubts();
         let Surroundings { joint_names, rate_hz, is_of_drives, notes, .. } = &self.surroundings;
@@ -233,7 +260,7 @@ impl<D: Discriminator> Planner<'_, D> {
             return Ok(next);
         }
         progress.step("exchanging pieces");
-        let robot = Robot::of_limits("arm", &self.surroundings.limits);
+        let robot = self.on_ways();
         let exchange = Exchange { planner: &self, pieces: &pieces, open: &open, robot };
         let generic = self.moments(&generic)?;
         let (chosen, trajectory, planned) = exchange.motion(&generic)?;
@@ -259,14 +286,14 @@ impl<D: Discriminator> Planner<'_, D> {
 
     /// Draws pieces whose torques were seen before; a multi-sine made without knowing what is open is the first of them.
     fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece<D::Planned>>, Failure> {
-        let robot = Robot::of_limits("arm", &self.surroundings.limits);
+        let robot = self.on_ways();
         let ends =
             |k: usize| self.surroundings.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         // So long that a number of them and the ways between them fill the motion.
         let piece_s = |count: usize| {
             let share_s = self.options.duration_s / count as f64;
-            (share_s - if count > 1 { way_s.min(WAY * share_s) } else { 0.0 }).max(SHORTEST_S)
+            (share_s - if count > 1 { way_s.min(WAY_PART * share_s) } else { 0.0 }).max(SHORTEST_S)
         };
         let mut random = Random::labelled(self.options.seed, "next");
         let mut drawn = vec![(generic.clone(), GENERIC.to_owned())];
@@ -340,10 +367,25 @@ impl<D: Discriminator> Planner<'_, D> {
         };
         let limits: Vec<MotionLimits> =
             self.surroundings.limits.iter().map(|limits| within(limits, random)).collect();
-        let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(f64::INFINITY, f64::min);
+        let Surroundings { is_of_drives, recorded, rate_hz, .. } = &self.surroundings;
+        let most = if *is_of_drives { 2.0 * WAY_LIMITS[0] } else { f64::INFINITY };
+        let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(most, f64::min);
         let widest = limits.iter().map(|l| l.position_rad[1] - l.position_rad[0]).fold(0.0, f64::max);
-        let share = random.between(0.3, SHARE);
-        let motion = match attempt % 4 {
+        // Commands jump as their rows do, and what drives can follow is far slower.
+        let share = if *is_of_drives { random.between_logs(0.02, 1.0) } else { random.between(0.3, SHARE) };
+        let has_steps = *is_of_drives && self.options.limits.is_none();
+        if has_steps && attempt % 5 == 4 {
+            let limits: Vec<MotionLimits> = limits
+                .iter()
+                .zip(recorded)
+                .map(|(own, most)| step_limits(own, STEP * most, *rate_hz))
+                .collect();
+            let rest_s = random.between(0.1, 1.5);
+            let motion = Motion::PointToPoint { duration_s: piece_s, share: 1.0, rest_s };
+            let trajectory = motion.plan(&Robot::of_limits("arm", &limits), random.bits()).ok()?;
+            return Some((trajectory, "steps".to_owned()));
+        }
+        let motion = match if has_steps { attempt % 5 } else { attempt % 4 } {
             0 => Motion::MultiSine {
                 duration_s: piece_s,
                 harmonics: 3 + random.index(6),
