@@ -22,7 +22,8 @@ use crate::rendering::terminal::Report;
 /// Diagnoses the experiment, and composes a motion in which the explanations that do equally well predict different
 /// torques. Printed before anything is recorded: which doubts it settles and with which probability, which no motion
 /// settles, and how narrow intervals become. Without `--limits` the arm stays where the recordings show it, not faster
-/// and with no larger torques. Collisions are not checked: look at the motion in the robot's own simulator first.
+/// and with no larger torques. With `[drive]` the motion is one of commands, and no joint is farther from its command
+/// than it was. Collisions are not checked: look at the motion in the robot's own simulator first.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt next experiment.toml --out motion.csv\n  \
     aurt next experiment.toml --until 'mass_kg < 0.02' --out motion.yaml\n\n\
@@ -37,13 +38,13 @@ pub struct NextMotion {
     /// File for the motion: .csv, .yaml (a trajectory of ROS 2), .script (URScript), .mcap (ROS 2) or .lerobot (a folder)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does
+    /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does; not with `[drive]`
     #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,
-    /// Exclude an effect from the diagnosis; may be given several times
+    /// Exclude an effect, with `[drive]` a structure, from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Standard deviation that a parameter shall have at most; may be given several times
+    /// Standard deviation that a parameter, with `[drive]` a number, shall have at most; may be given several times
     #[arg(long, value_name = "PARAMETER < STD", value_parser = parse_wanted)]
     until: Vec<DeviationGoal>,
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2

@@ -8,7 +8,8 @@
 //!
 //! towards A, as in the T-criterion of torques, min_δ ½ {‖(q_A − q_B)/σ − J_B δ‖² + δᵀ H_B δ}. What it leaves,
 //! q_B + σ J_B δ − q_A, is a difference in the motion recorded once more and held out, of which [`Foresight`] has the
-//! probability that the test of the diagnosis decides on it. So a motion is recorded twice, to be fitted and to be held out.
+//! probability that the test of the diagnosis decides on it; the present recordings the rival then misses by δᵀH_B δ more. So a
+//! motion is recorded twice, to be fitted and to be held out.
 //! Rollouts are whole, also where numbers are estimated by pieces.
 
 use std::sync::Arc;
@@ -247,7 +248,10 @@ impl<'a> DriveDiscrimination<'a> {
                 },
             ));
         }
-        let foresight = Foresight::of([&truth.missed, &rival.missed], &motion, level, &self.options);
+        let samples: usize = self.fitted.iter().map(|r| (r.time_s.len() - r.first) * r.command.len()).sum();
+        let excess = step.dot(&(&fit.information * &step)) / samples as f64;
+        let missed = [&truth.missed, &rival.missed];
+        let foresight = Foresight::of(missed, &motion, excess, level, &self.options);
         (foresight, (squares / count.max(1) as f64).sqrt())
     }
 

@@ -49,9 +49,9 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Negative log-likelihood in nats.
-    pub(super) fn nats(&self) -> f64 {
-        self.loss.iter().map(|l| 0.5 * self.samples * libm::log1p(l / self.samples)).sum()
+    /// Negative log-likelihood in nats, if the mean loss of each joint is larger by an `excess`.
+    pub(super) fn nats(&self, excess: f64) -> f64 {
+        self.loss.iter().map(|l| 0.5 * self.samples * libm::log1p(l / self.samples + excess)).sum()
     }
 
     /// The squared difference of two predictions, in rad².
@@ -163,7 +163,7 @@ pub fn compare(better: &Missed, worse: &Missed, options: &Options) -> Comparison
     let gains: Vec<Vec<Option<f64>>> = pairs()
         .map(|blocks| {
             blocks
-                .map(|(b, w)| (b.samples > 0.0 && b.apart(w) >= least).then(|| w.nats() - b.nats()))
+                .map(|(b, w)| (b.samples > 0.0 && b.apart(w) >= least).then(|| w.nats(0.0) - b.nats(0.0)))
                 .collect()
         })
         .collect();

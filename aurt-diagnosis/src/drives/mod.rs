@@ -134,6 +134,15 @@ pub(crate) struct ContestedStructure {
     pub(crate) level: f64,
 }
 
+/// What was added to a model, and what was not.
+struct Additions {
+    model: JudgedFit,
+    /// Structures with their alternatives.
+    added: Vec<(Structure, Vec<&'static str>)>,
+    findings: Vec<Finding>,
+    contested: Vec<ContestedStructure>,
+}
+
 pub(crate) struct Search<'a> {
     pub(crate) fitted: &'a [DriveRecording],
     pub(crate) held_out: &'a [DriveRecording],
@@ -179,56 +188,8 @@ pub fn diagnose(
     }
     let examined: Vec<Structure> =
         STRUCTURES.into_iter().filter(|s| s.fits(arm) && demands.without.iter().all(|w| w != s.id)).collect();
-    let mut absent: Vec<Structure> = examined.iter().copied().filter(|s| !s.is_selected(selection)).collect();
-    let mut model = described.clone();
-    let mut added: Vec<(Structure, Vec<&'static str>)> = Vec::new();
-    let (mut findings, mut contested): (Vec<Finding>, Vec<ContestedStructure>) = loop {
-        let mut tried = Vec::new();
-        for structure in &absent {
-            progress(&format!("with {}", structure.title));
-            if let Some(trial) = search.with(structure, &model) {
-                let comparison = compare(&trial.missed, &model.missed, options);
-                tried.push((*structure, trial, comparison));
-            }
-        }
-        // What did not get so far was tried as well.
-        let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
-        probabilities.resize(absent.len(), 1.0);
-        let largest = largest_of_claims(&probabilities, demands.level);
-        let objection = |(s, trial, c): &(Structure, JudgedFit, Comparison)| {
-            search
-                .objection(Some((s, s.is_in(arm), &trial.fit)), c, largest)
-                .or_else(|| misfit(trial, &model))
-        };
-        let passes = |k: &usize| objection(&tried[*k]).is_none();
-        let best = (0..tried.len())
-            .filter(passes)
-            .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
-        let Some(best) = best else {
-            let level = demands.level / absent.len().max(1) as f64;
-            let refused = |t: &(Structure, JudgedFit, Comparison)| {
-                let found = finding(t.0, Answer::NotSupported, false, &t.1.fit, t.2.clone());
-                Finding { objection: objection(t), ..found }
-            };
-            let contested = tried.iter().filter(|t| t.2.gain_per_s > 0.0 && lowers(&t.1, &model));
-            let contested = contested.filter_map(|t| {
-                let (structure, rival, objection) = (t.0, t.1.clone(), objection(t)?);
-                Some(ContestedStructure { structure, objection, rival, is_absent: true, level })
-            });
-            let contested = contested.collect();
-            break (tried.iter().filter(|(s, ..)| !s.is_in(arm)).map(refused).collect(), contested);
-        };
-        let rivals = (0..tried.len()).filter(|k| *k != best && passes(k));
-        let equal = |k: &usize| {
-            compare(&tried[best].1.missed, &tried[*k].1.missed, options).probability > demands.level
-        };
-        let alternatives: Vec<&'static str> = rivals.filter(equal).map(|k| tried[k].0.id).collect();
-        let (structure, trial, _) = tried.swap_remove(best);
-        absent.retain(|s| *s != structure);
-        added.push((structure, alternatives));
-        model = trial;
-    };
-
+    let Additions { mut model, added, mut findings, mut contested } =
+        search.additions(&described, &examined, &mut progress);
     let narrow = model.clone();
     model.fit.widen(&model.selection, fitted, options)?;
     let mut taken = Vec::new();
@@ -326,6 +287,66 @@ fn finding(
 }
 
 impl Search<'_> {
+    /// The model with what it lacks: structures are added as long as one brings what is demanded.
+    fn additions(
+        &self,
+        described: &JudgedFit,
+        examined: &[Structure],
+        progress: &mut impl FnMut(&str),
+    ) -> Additions {
+        let mut absent: Vec<Structure> =
+            examined.iter().copied().filter(|s| !s.is_selected(&described.selection)).collect();
+        let mut model = described.clone();
+        let mut added: Vec<(Structure, Vec<&'static str>)> = Vec::new();
+        loop {
+            let mut tried = Vec::new();
+            for structure in &absent {
+                progress(&format!("with {}", structure.title));
+                if let Some(trial) = self.with(structure, &model) {
+                    let comparison = compare(&trial.missed, &model.missed, self.options);
+                    tried.push((*structure, trial, comparison));
+                }
+            }
+            // What did not get so far was tried as well.
+            let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
+            probabilities.resize(absent.len(), 1.0);
+            let largest = largest_of_claims(&probabilities, self.demands.level);
+            let objection = |(s, trial, c): &(Structure, JudgedFit, Comparison)| {
+                self.objection(Some((s, s.is_in(&described.arm), &trial.fit)), c, largest)
+                    .or_else(|| misfit(trial, &model))
+            };
+            let passes = |k: &usize| objection(&tried[*k]).is_none();
+            let best = (0..tried.len())
+                .filter(passes)
+                .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
+            let Some(best) = best else {
+                let level = self.demands.level / absent.len().max(1) as f64;
+                let refused = |t: &(Structure, JudgedFit, Comparison)| {
+                    let found = finding(t.0, Answer::NotSupported, false, &t.1.fit, t.2.clone());
+                    Finding { objection: objection(t), ..found }
+                };
+                let contested = tried.iter().filter(|t| t.2.gain_per_s > 0.0 && lowers(&t.1, &model));
+                let contested = contested.filter_map(|t| {
+                    let (structure, rival, objection) = (t.0, t.1.clone(), objection(t)?);
+                    Some(ContestedStructure { structure, objection, rival, is_absent: true, level })
+                });
+                let contested = contested.collect();
+                let findings = tried.iter().filter(|(s, ..)| !s.is_in(&described.arm)).map(refused).collect();
+                return Additions { model, added, findings, contested };
+            };
+            let rivals = (0..tried.len()).filter(|k| *k != best && passes(k));
+            let equal = |k: &usize| {
+                compare(&tried[best].1.missed, &tried[*k].1.missed, self.options).probability
+                    > self.demands.level
+            };
+            let alternatives: Vec<&'static str> = rivals.filter(equal).map(|k| tried[k].0.id).collect();
+            let (structure, trial, _) = tried.swap_remove(best);
+            absent.retain(|s| *s != structure);
+            added.push((structure, alternatives));
+            model = trial;
+        }
+    }
+
     fn trial(
         &self,
         arm: DrivenArm,

@@ -251,7 +251,16 @@ impl<D: Discriminator> Planner<'_, D> {
             .together(pieces.iter())
             .ok_or(DiagnosisError::NothingToDiagnose)
             .map_err(aurt::Error::from)?;
-        let ever = self.discrimination.outlook(&all);
+        let mut ever = self.discrimination.outlook(&all);
+        if *is_of_drives {
+            // A test of blocks loses by blocks that say nothing: a piece may decide what all together do not.
+            let again = self.discrimination.recorded_again(&pieces[0].planned).map_err(aurt::Error::from)?;
+            for motion in pieces.iter().map(|piece| &piece.planned).chain([&again]) {
+                let own = self.discrimination.outlook(motion);
+                let better = ever.iter_mut().zip(own).filter(|(ever, own)| own.settled > ever.settled);
+                better.for_each(|(ever, own)| *ever = own);
+            }
+        }
         let least = EVER[usize::from(ever.iter().all(|outlook| outlook.settled < EVER[0]))];
         let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= least).collect();
         let hopeless = (0..doubts.len()).filter(|k| !open.contains(k));
