@@ -186,7 +186,8 @@ fn servo_table(phase: f64) -> String {
 fn commands_of_a_servo_are_planned_where_they_have_been() {
     let folder = Folder::new();
     folder.write("mdh.csv", "alpha,a,d\n0,0,0\n");
-    [("a.csv", 0.0), ("b.csv", 2.0)].map(|(name, phase)| folder.write(name, &servo_table(phase)));
+    folder.write("a.csv", &servo_table(0.0));
+    folder.write("b.csv", &servo_table(2.0));
     let columns = "columns = { time = 0, position = [1, 1], measurement = [2, 2] }";
     let text = format!(
         "schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[drive]\nmodel = \"position_servo\"\n\

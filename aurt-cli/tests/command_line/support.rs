@@ -8,7 +8,7 @@ use std::{
     sync::LazyLock,
 };
 
-use aurt_lab::case::{Plan, conceal};
+use aurt_lab::case::{Plan, World, conceal};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -66,7 +66,7 @@ impl Folder {
     /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
     pub fn with_concealed(self, plan: &str, seed: u64) -> Self {
         let plan = Plan::parse(plan, "plan.toml").unwrap();
-        conceal(&plan, seed, self.path("cases"), self.path("sealed"), &|_| ()).unwrap();
+        conceal(&plan, World::Clean, seed, self.path("cases"), self.path("sealed"), &|_| ()).unwrap();
         self
     }
 

@@ -2,7 +2,7 @@
 //! changes.
 
 use aurt_calibration::drives::{
-    DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, OutputErrorFit, Selection, output_error,
+    DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection, output_error,
 };
 use aurt_diagnosis::discrimination::{DeviationGoal, Discriminator, Doubt, DriveDiscrimination, Outlook};
 use aurt_diagnosis::drives::{Demands, Diagnosis, Missed, STRUCTURES, compare, diagnose};
@@ -38,9 +38,9 @@ fn servo(delay_s: f64) -> DrivenArm {
     }
 }
 
-/// A sine of so many rad/s under an amplitude of 0.3 rad, for some seconds.
+/// A cosine of so many rad/s and 0.3 rad, for some seconds.
 fn sine(rad_s: f64, seconds: f64) -> Vec<f64> {
-    (0..(seconds * RATE_HZ) as usize).map(|k| 0.3 * (rad_s * k as f64 / RATE_HZ).sin()).collect()
+    (0..(seconds * RATE_HZ) as usize).map(|k| 0.3 * (rad_s * k as f64 / RATE_HZ).cos()).collect()
 }
 
 fn recorded(arm: &DrivenArm, command: &[f64], dice: &mut Dice) -> DriveRecording {
@@ -88,8 +88,8 @@ fn motion(command: &[f64]) -> Recording {
 #[test]
 fn a_motion_that_tells_a_delay_from_a_back_emf_is_foreseen_to_decide_as_often_as_it_does() {
     let truth = servo(0.03);
-    let mut dice = Dice(41);
-    let slow = || sine(1.5, 16.0);
+    let mut dice = Dice(5 * 7919);
+    let slow = || sine(0.8, 16.0);
     let [fitted, held_out] = [(); 2].map(|()| vec![recorded(&truth, &slow(), &mut dice)]);
     let found = diagnosed([&fitted, &held_out]);
     let planned_s = 8.0;
@@ -101,28 +101,35 @@ fn a_motion_that_tells_a_delay_from_a_back_emf_is_foreseen_to_decide_as_often_as
     let outlook =
         |command: &[f64]| -> Vec<Outlook> { doubts.outlook(&doubts.planned(&motion(command)).unwrap()) };
     let foreseen = |rad_s: f64| outlook(&sine(rad_s, planned_s))[0].settled;
-    let speeds = [1.5, 5.0, 8.0, 14.0];
+    let speeds = [0.8, 4.0, 8.0];
     let all = speeds.map(foreseen);
-    assert!(all[0] < 0.3 && all[3] > 0.95 && all.windows(2).all(|w| w[0] <= w[1] + 0.05), "{all:?}");
-    let interval = outlook(&sine(14.0, planned_s))[1].interval.clone().unwrap();
+    assert!(all[0] < 0.3 && all[2] > 0.95 && all.windows(2).all(|w| w[0] <= w[1] + 0.05), "{all:?}");
+    let interval = outlook(&sine(8.0, planned_s))[1].interval.clone().unwrap();
     assert!(interval.after < interval.now && interval.after > 0.0, "{interval:?}");
 
-    // The same in fact: recorded twice, fitted and held out, both models estimated anew.
-    let delay = &found.improved.arm;
-    for (rad_s, foreseen) in speeds.into_iter().zip(all) {
+    // The same in fact, whichever is true: recorded twice, fitted and held out, both models estimated anew.
+    let fit = |key: &str, fitted: &[DriveRecording]| -> DrivenArm {
+        let arm = if key == "delay_s" { servo(0.02) } else { servo(0.0) };
+        output_error(&arm, &selection(&["coulomb_nm", key]), fitted, &options()).unwrap().arm
+    };
+    let keys = ["delay_s", "viscous_nm_s_per_rad"];
+    let share = |rad_s: f64, [own, other]: [&str; 2]| {
+        let truth = fit(own, &fitted);
         let decides = |mut dice: Dice| {
-            let mut again = || recorded(delay, &sine(rad_s, planned_s), &mut dice);
+            let mut again = || recorded(&truth, &sine(rad_s, planned_s), &mut dice);
             let (fitted, held_out) = ([fitted[0].clone(), again()], [held_out[0].clone(), again()]);
-            let fit = |arm: &DrivenArm, key: &str| -> OutputErrorFit {
-                output_error(arm, &selection(&["coulomb_nm", key]), &fitted, &options()).unwrap()
-            };
-            let [one, other] = [fit(&servo(0.02), "delay_s"), fit(&servo(0.0), "viscous_nm_s_per_rad")];
-            let missed = |fit: &OutputErrorFit| Missed::of(&fit.arm, &held_out, &options()).unwrap();
-            compare(&missed(&one), &missed(&other), &options()).probability < 0.05
+            let missed = |key| Missed::of(&fit(key, &fitted), &held_out, &options()).unwrap();
+            compare(&missed(own), &missed(other), &options()).probability < 0.05
         };
-        let trials = 40;
-        let decided = (0..trials).filter(|k| decides(Dice(1000 + 7919 * k))).count();
-        let share = decided as f64 / trials as f64;
-        assert!((share - foreseen).abs() < 0.2, "{rad_s} rad/s: {share} of trials, foreseen {foreseen}");
+        let trials = 20;
+        (0..trials).filter(|k| decides(Dice(1000 + 7919 * k))).count() as f64 / trials as f64
+    };
+    for (rad_s, foreseen) in speeds.into_iter().zip(all) {
+        let [one, other] = [share(rad_s, keys), share(rad_s, [keys[1], keys[0]])];
+        println!("{rad_s} rad/s: {one} and {other} of trials, foreseen {foreseen}");
+        assert!(
+            (one.min(other) - foreseen).abs() < 0.25,
+            "{rad_s} rad/s: {one} {other} of trials, foreseen {foreseen}"
+        );
     }
 }

@@ -29,7 +29,7 @@ pub struct Conceal {
     #[arg(long, value_name = "EXPERIMENT.toml")]
     into: Option<PathBuf>,
     /// World to make cases of: clean, rough or servo
-    #[arg(long, default_value = "clean", value_parser = super::prove::world, conflicts_with = "into")]
+    #[arg(long, default_value = "clean", value_parser = world, conflicts_with = "into")]
     world: World,
     /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
@@ -43,6 +43,13 @@ pub struct Conceal {
     /// Folder for the truths
     #[arg(long, value_name = "DIR")]
     sealed: PathBuf,
+}
+
+pub(super) fn world(name: &str) -> Result<World, String> {
+    World::named(name).ok_or_else(|| {
+        let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
+        format!("there is no such world; known are {}", known.join(", "))
+    })
 }
 
 /// Reads a plan; what is wrong with it is said of its file.

@@ -7,7 +7,10 @@ use std::{
 
 use crate::{
     case::{Plan, World},
-    commands::{Report, Session, conceal::read_plan},
+    commands::{
+        Report, Session,
+        conceal::{read_plan, world},
+    },
     product::{Failure, OutputFolder, pretty},
     proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
 };
@@ -79,13 +82,6 @@ pub struct Prove {
     /// Learn from this finished proof instead of making one; may be given several times
     #[arg(long = "proof", value_name = "DIR", requires = "learn", conflicts_with = "out")]
     proofs: Vec<PathBuf>,
-}
-
-pub(super) fn world(name: &str) -> Result<World, String> {
-    World::named(name).ok_or_else(|| {
-        let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
-        format!("there is no such world; known are {}", known.join(", "))
-    })
 }
 
 impl Prove {

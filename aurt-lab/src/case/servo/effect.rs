@@ -116,6 +116,11 @@ pub(super) const EFFECTS: [ServoEffect; 11] = [
     },
 ];
 
+/// True of effects of this world.
+pub(crate) fn has(effect: &str) -> bool {
+    EFFECTS.iter().any(|own| own.id == effect)
+}
+
 fn each(arm: &mut ServoArm, factors: &[f64], set: impl Fn(&mut Servo, f64)) {
     arm.servos.iter_mut().zip(factors).for_each(|(servo, factor)| set(servo, *factor));
 }

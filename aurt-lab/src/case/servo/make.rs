@@ -34,11 +34,6 @@ const fn wanted_rad(strength: Strength) -> f64 {
         }
 }
 
-/// True of effects of this world.
-pub(crate) fn has(effect: &str) -> bool {
-    EFFECTS.iter().any(|own| own.id == effect)
-}
-
 /// The cases of a plan, which may name effects of this world alone, in an order that reveals nothing.
 pub(crate) fn requests(plan: &Plan, seed: u64) -> Vec<CaseRequest> {
     let mut random = Random::labelled(seed, "servo plan");

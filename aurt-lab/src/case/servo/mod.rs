@@ -10,4 +10,5 @@ mod make;
 mod motion;
 mod plant;
 
-pub(crate) use make::{has, make, record, requests};
+pub(crate) use effect::has;
+pub(crate) use make::{make, record, requests};
