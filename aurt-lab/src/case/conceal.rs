@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::make::{Case, make_case};
 use super::plan::Plan;
 use super::request::CaseRequest;
-use super::servo;
 use super::world::World;
+use super::{servo, servo_requests};
 use aurt_simulation::{Random, SimulationError};
 
 /// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
@@ -39,7 +39,7 @@ pub fn conceal(
 impl Plan {
     /// The cases in a world of our own simulators: the effects of servo arms are their own.
     pub fn requests_of(&self, world: World, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
-        if world == World::Servo { Ok(servo::requests(self, seed)) } else { self.requests(seed) }
+        if world == World::Servo { Ok(servo_requests::requests(self, seed)) } else { self.requests(seed) }
     }
 
     /// One case of a plan in a world of our own simulators. The rough world draws lengths, rates and motions of its own; of the

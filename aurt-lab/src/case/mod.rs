@@ -10,6 +10,7 @@ mod probe;
 mod request;
 mod rough;
 pub(crate) mod servo;
+mod servo_requests;
 mod truth;
 mod world;
 

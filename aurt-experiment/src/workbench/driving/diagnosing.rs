@@ -72,9 +72,9 @@ impl<'e> DiagnosedSetting<'e> {
         &self.setting.arm.chain
     }
 
-    /// What to note of the experiment, and what is doubtful about its recordings.
-    pub(in crate::workbench) fn notes(&self) -> Vec<String> {
-        [self.setting.notes.clone(), self.setting.doubts()].concat()
+    /// What is doubtful about the recordings.
+    pub(in crate::workbench) fn doubts(&self) -> Vec<String> {
+        self.setting.doubts()
     }
 }
 

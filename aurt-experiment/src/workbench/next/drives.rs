@@ -53,7 +53,7 @@ pub(super) fn plan(
     notes.push(
         "record this motion twice: list one recording under `calibration` and one under `validation`".into(),
     );
-    notes.extend(asked.notes());
+    notes.extend(asked.doubts());
     let distance = |r: &DriveRecording, j: usize| {
         let pairs = r.position_rad[j].iter().zip(&r.command[j]);
         pairs.fold(0.0_f64, |most, (q, c)| most.max((q - c).abs()))

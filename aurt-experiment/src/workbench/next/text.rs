@@ -184,7 +184,7 @@ impl Next {
             Doubt::Wide { subject, wanted } => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
             }
-            Doubt::Undetermined(names) => names.join(", "),
+            Doubt::Undetermined(names) => format!("open: {}", names.join(" with ")),
         }
     }
 

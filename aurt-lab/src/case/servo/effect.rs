@@ -116,9 +116,9 @@ pub(super) const EFFECTS: [ServoEffect; 11] = [
     },
 ];
 
-/// True of effects of this world.
-pub(crate) fn has(effect: &str) -> bool {
-    EFFECTS.iter().any(|own| own.id == effect)
+/// The names of effects of this world, of those that have one in verdicts or of the others.
+pub(crate) fn names(in_vocabulary: bool) -> impl Iterator<Item = &'static str> {
+    EFFECTS.iter().filter(move |e| e.in_vocabulary == in_vocabulary).map(|e| e.id)
 }
 
 fn each(arm: &mut ServoArm, factors: &[f64], set: impl Fn(&mut Servo, f64)) {

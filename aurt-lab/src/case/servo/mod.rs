@@ -5,10 +5,9 @@
 //! point, and a description whose masses are slightly wrong.
 
 mod arm;
-mod effect;
+pub(super) mod effect;
 mod make;
 mod motion;
 mod plant;
 
-pub(crate) use effect::has;
-pub(crate) use make::{make, record, requests};
+pub(crate) use make::{make, record};
