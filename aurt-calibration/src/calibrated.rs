@@ -58,14 +58,12 @@ pub struct Calibration {
 
 impl Calibration {
     /// The coefficients' values.
-    #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()
     }
 
     /// The [`Self::covariance`] as a symmetric matrix n × n, row after row; `None` where it is not known. Rows and columns
     /// of coefficients that are not excited are NaN.
-    #[must_use]
     pub fn covariance_matrix(&self) -> Option<Vec<f64>> {
         let n = self.parameters.len();
         if self.covariance.len() != n * (n + 1) / 2 || n == 0 {

@@ -20,7 +20,6 @@ const LARGE_CONDITION_NUMBER: f64 = 100.0;
 
 /// The parameters that motions determine badly, in words: those whose standard deviation exceeds half their value and a
 /// tenth of the largest value of their kind.
-#[must_use]
 pub fn badly_excited(parameters: &[CalibratedParameter]) -> Option<String> {
     let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
     for p in parameters {
@@ -43,7 +42,6 @@ pub fn badly_excited(parameters: &[CalibratedParameter]) -> Option<String> {
 }
 
 /// What a condition number says against the motions, if it does.
-#[must_use]
 pub fn hardly_excited(condition_number: f64) -> Option<String> {
     (condition_number > LARGE_CONDITION_NUMBER).then(|| {
         format!(

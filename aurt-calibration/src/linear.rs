@@ -59,7 +59,6 @@ pub(crate) fn solve_upper(upper: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<
 
 /// Ratio of the largest to the smallest singular value of a square matrix, column-major; infinite where the matrix
 /// is singular as far as numbers of 53 bits tell, NaN where it is empty or not finite.
-#[must_use]
 pub fn condition_number(matrix: &[f64], n: usize) -> f64 {
     let values = if n == 0 { None } else { singular_values(&DMatrix::from_column_slice(n, n, matrix)) };
     match values.unwrap_or_default().as_slice() {

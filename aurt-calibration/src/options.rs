@@ -28,7 +28,6 @@ impl Estimator {
     ];
 
     /// Whether joints are weighted by their residuals.
-    #[must_use]
     pub const fn is_weighted(self) -> bool {
         !matches!(self, Self::Ols)
     }

@@ -9,7 +9,6 @@ use crate::Solution;
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// `2.764 ± 0.029`: a value with its standard deviation, both to two digits of the latter; without one, to four decimals.
-#[must_use]
 pub fn with_deviation(value: f64, std: f64) -> String {
     if !(std.is_finite() && std > 0.0) {
         return format!("{value:.4}");
@@ -23,7 +22,6 @@ pub fn with_deviation(value: f64, std: f64) -> String {
 }
 
 /// The decimals of a standard deviation, and of what it belongs to, for two digits of it.
-#[must_use]
 pub fn deviation_digits(std: f64) -> usize {
     if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
 }
@@ -33,7 +31,6 @@ pub fn deviation_digits(std: f64) -> usize {
 /// Measurement noise that is white at the recording's rate leaves the zero-phase filter |H|² with the power
 /// spectrum |H|⁴. Sampled every `decimation`-th time its rows are not independent: below the cut-off the
 /// spectrum is S(0)/S̄ = 1 / (decimation · mean |H|⁴) times that of white noise of the same variance.
-#[must_use]
 pub fn noise_bandwidth_factor(filter: &ZeroPhase, decimation: usize) -> f64 {
     const POINTS: usize = 4096;
     let mean: f64 =

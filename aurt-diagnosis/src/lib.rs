@@ -69,7 +69,7 @@ pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, PoseColumns, Shaking, VisibleGear, find_gears};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
-    JointSeriesRows, Learnt, NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, SCHEMA, Shift,
-    Verdict, series, write_verdict,
+    Alternative, Answer, Curves, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,
+    JointSeriesRows, LEARNT_SCHEMA, Learnt, LearntFrom, NotDecidable, NotExamined, Rate, RecordingSeries,
+    RegisteredFinding, SCHEMA, SCORE, Shift, Verdict, interpolated, series, write_verdict,
 };

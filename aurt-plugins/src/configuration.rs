@@ -54,13 +54,11 @@ pub struct Entry {
 
 impl Node {
     /// A value that was not read from a text.
-    #[must_use]
     pub const fn new(kind: NodeKind) -> Self {
         Self { kind, span: 0..0 }
     }
 
     /// The kind of the value in words, for "expected …, found …".
-    #[must_use]
     pub const fn kind_name(&self) -> &'static str {
         match self.kind {
             NodeKind::Null => "null",
@@ -75,7 +73,6 @@ impl Node {
     }
 
     /// The entries of a table; none for anything else.
-    #[must_use]
     pub fn entries(&self) -> &[Entry] {
         match &self.kind {
             NodeKind::Table(entries) => entries,
@@ -84,19 +81,16 @@ impl Node {
     }
 
     /// The entry of a key, if the value is a table that has it.
-    #[must_use]
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         self.entries().iter().find(|e| e.key == key)
     }
 
     /// The value of a key, if the value is a table that has it.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entry(key).map(|e| &e.value)
     }
 
     /// The text of a string.
-    #[must_use]
     pub fn as_str(&self) -> Option<&str> {
         match &self.kind {
             NodeKind::String(text) => Some(text),
@@ -105,7 +99,6 @@ impl Node {
     }
 
     /// The value of a number, whole or not.
-    #[must_use]
     pub const fn as_number(&self) -> Option<f64> {
         match self.kind {
             NodeKind::Integer(n) => Some(n as f64),
@@ -115,7 +108,6 @@ impl Node {
     }
 
     /// The value as JSON; dates become strings, `inf` and `nan` become `null`.
-    #[must_use]
     pub fn to_json(&self) -> Value {
         match &self.kind {
             NodeKind::Null => Value::Null,
@@ -141,7 +133,6 @@ impl Node {
     }
 
     /// A parsed TOML table, and the numbers in it that no `i64` or `f64` can hold.
-    #[must_use]
     pub fn from_toml(table: &DeTable<'_>, span: Span) -> (Self, Vec<Span>) {
         let mut unreadable = Vec::new();
         let node = Self { kind: table_kind(table, &mut unreadable), span };

@@ -141,7 +141,6 @@ pub enum BuildError {
 
 impl BuildError {
     /// A model's complaints about its configuration, each with the place of the key that it names.
-    #[must_use]
     pub fn invalid(table: &Node, complaints: Vec<ModelError>) -> Vec<Self> {
         complaints
             .into_iter()
@@ -156,7 +155,6 @@ impl BuildError {
     }
 
     /// Where the culprit stands in the text that the configuration was read from.
-    #[must_use]
     pub fn span(&self) -> Span {
         match self {
             Self::NoTable { span, .. }
@@ -170,7 +168,6 @@ impl BuildError {
     }
 
     /// What to do about it: what is known, what was probably meant.
-    #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
             Self::NoTable { slot, .. } => Some(match slot {

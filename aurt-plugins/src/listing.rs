@@ -51,7 +51,6 @@ pub enum Origin {
 
 impl Origin {
     /// Whether the model comes with AURT.
-    #[must_use]
     pub fn is_builtin(&self) -> bool {
         *self == Self::Crate(BUILTIN)
     }

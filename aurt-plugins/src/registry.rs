@@ -56,7 +56,6 @@ impl Registry {
     }
 
     /// What to say of the files of models that this registry and its clones have read: models by former names.
-    #[must_use]
     pub fn take_notes(&self) -> BTreeSet<String> {
         std::mem::take(&mut *self.former_names.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -111,7 +110,6 @@ impl Registry {
     }
 
     /// Which libraries a program that this one starts may load: those that this one may, and those that it has.
-    #[must_use]
     pub fn trusted(&self) -> Trust {
         let mut trust = self.trust.clone();
         self.libraries.iter().for_each(|library| trust.insert(library.blake3.clone()));
@@ -119,7 +117,6 @@ impl Registry {
     }
 
     /// The loaded libraries, in the order of loading.
-    #[must_use]
     pub fn libraries(&self) -> &[LibraryListing] {
         &self.libraries
     }
@@ -172,7 +169,6 @@ impl Registry {
     }
 
     /// The names of a slot's models, sorted.
-    #[must_use]
     pub fn names(&self, slot: Slot) -> Vec<String> {
         self.models_of(slot).map(|m| m.name.clone()).collect()
     }

@@ -30,7 +30,6 @@ pub struct Trust {
 
 impl Trust {
     /// Every library.
-    #[must_use]
     pub const fn all() -> Self {
         Self { all: true, hashes: BTreeSet::new() }
     }
@@ -54,7 +53,6 @@ impl Trust {
 
     /// The user's list: `AURT_TRUST_FILE`, or `aurt/trusted-plugins` in the folder for configuration (`XDG_CONFIG_HOME`,
     /// `~/.config`; on Windows `APPDATA`).
-    #[must_use]
     pub fn list() -> Option<PathBuf> {
         let folder = |name: &str| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         folder(LIST).or_else(|| {
@@ -94,7 +92,6 @@ impl Trust {
     }
 
     /// Whether a file of this hash may be loaded.
-    #[must_use]
     pub fn allows(&self, hash: &str) -> bool {
         self.all || self.hashes.contains(hash)
     }
@@ -105,7 +102,6 @@ impl Trust {
     }
 
     /// The environment variable by which a program that is started trusts the same.
-    #[must_use]
     pub fn environment(&self) -> (&'static str, String) {
         let hashes = || self.hashes.iter().map(String::as_str).collect::<Vec<_>>().join(" ");
         (ENVIRONMENT, if self.all { "all".to_owned() } else { hashes() })

@@ -222,7 +222,6 @@ pub struct Elimination {
 ///
 /// Columns are scaled to unit length; those shorter than `silent` times the longest are in neither list, those of which
 /// less than `zero` is left beside the kept ones are dependent.
-#[must_use]
 pub fn eliminate(
     columns: &[Vec<f64>],
     order: impl IntoIterator<Item = usize>,
@@ -265,7 +264,6 @@ pub fn eliminate(
 
 impl Elimination {
     /// x with R x = b, for the first columns of R if b is shorter.
-    #[must_use]
     pub fn solve(&self, mut b: Vec<f64>) -> Vec<f64> {
         for row in (0..b.len()).rev() {
             b[row] /= self.triangle[row][row];

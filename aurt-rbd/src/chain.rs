@@ -119,25 +119,21 @@ impl SerialChain {
     }
 
     /// The joints beside the chain.
-    #[must_use]
     pub fn branches(&self) -> &[Branch] {
         &self.branches
     }
 
     /// The joints' names, base first; empty where they have none.
-    #[must_use]
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
     }
 
     /// The links' names, that of joint 0 first; empty where they have none.
-    #[must_use]
     pub fn link_names(&self) -> &[String] {
         &self.link_names
     }
 
     /// The joints, base first.
-    #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
@@ -146,7 +142,6 @@ impl SerialChain {
     ///
     /// # Panics
     /// If there is no such joint.
-    #[must_use]
     pub fn parent(&self, joint: usize) -> Option<usize> {
         self.joints[joint].parent.of(joint)
     }
@@ -155,14 +150,12 @@ impl SerialChain {
     ///
     /// # Panics
     /// If there is no such link.
-    #[must_use]
     pub fn path(&self, link: usize) -> &[usize] {
         let Branching { path, depth, .. } = self.places[link].branching;
         &self.paths[path..=path + depth]
     }
 
     /// Whether every joint sits on the link of the joint before.
-    #[must_use]
     pub fn is_serial(&self) -> bool {
         self.check_serial().is_ok()
     }
@@ -179,7 +172,6 @@ impl SerialChain {
     }
 
     /// Gravitational acceleration in the base frame, m/s².
-    #[must_use]
     pub const fn gravity_m_s2(&self) -> [f64; 3] {
         self.gravity_m_s2
     }
@@ -200,7 +192,6 @@ impl SerialChain {
     }
 
     /// The same bodies under another gravity vector.
-    #[must_use]
     pub fn under_gravity(&self, gravity_m_s2: [f64; 3]) -> Self {
         Self { gravity_m_s2, ..self.clone() }
     }

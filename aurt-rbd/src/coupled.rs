@@ -23,14 +23,12 @@ pub struct Coupling {
 
 impl Coupling {
     /// A joint that is a coordinate of its own.
-    #[must_use]
     pub const fn own(coordinate: usize) -> Self {
         Self { coordinate, multiplier: 1.0, offset: 0.0 }
     }
 
     /// Whether a coordinate is a length: the joint slides that is the coordinate's own, or the first that follows it. Without
     /// couplings each joint is a coordinate.
-    #[must_use]
     pub fn slides(coordinate: usize, joints: &[Joint], couplings: &[Self]) -> bool {
         let follows = |k: &usize| couplings[*k].coordinate == coordinate;
         let own = (0..couplings.len()).find(|k| couplings[*k] == Self::own(coordinate));
@@ -118,13 +116,11 @@ impl CoupledChain {
     }
 
     /// The chain of all M joints, as if each moved on its own.
-    #[must_use]
     pub const fn chain(&self) -> &SerialChain {
         &self.chain
     }
 
     /// How each of the M joints moves.
-    #[must_use]
     pub fn couplings(&self) -> &[Coupling] {
         &self.couplings
     }

@@ -105,7 +105,6 @@ impl ChainDynamics {
     }
 
     /// Number of joints N.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.links.len()
     }

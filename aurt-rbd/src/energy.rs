@@ -14,7 +14,6 @@ pub struct Energy {
 
 impl Energy {
     /// The sum of both, in J.
-    #[must_use]
     pub fn total_j(&self) -> f64 {
         self.kinetic_j + self.potential_j
     }

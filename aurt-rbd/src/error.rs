@@ -134,7 +134,6 @@ pub enum MdhError {
 
 impl MdhError {
     /// The line that the error is about, from 1; `None` for the file as a whole.
-    #[must_use]
     pub const fn line(&self) -> Option<usize> {
         match self {
             Self::Unreadable { .. } | Self::Empty { .. } => None,

@@ -17,7 +17,6 @@ pub struct LinkBody {
 impl LinkBody {
     /// The ten standard parameters {XX XY XZ YY YZ ZZ mX mY mZ m}, inertia about the link frame's origin:
     /// I = I_C + m (c·c 1 − c cᵀ).
-    #[must_use]
     pub fn standard_parameters(&self) -> [f64; INERTIAL_PARAMETERS] {
         let [x, y, z] = self.com_m;
         let m = self.mass_kg;
@@ -37,7 +36,6 @@ impl LinkBody {
     }
 
     /// The body of ten standard parameters; `None` if the mass is not positive or anything is not finite.
-    #[must_use]
     pub fn from_standard_parameters(standard: &[f64; INERTIAL_PARAMETERS]) -> Option<Self> {
         let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *standard;
         if m <= 0.0 || !standard.iter().all(|v| v.is_finite()) {
@@ -98,7 +96,6 @@ impl std::fmt::Display for Inconsistency {
 ///
 /// # Panics
 /// If the number of parameters is no multiple of ten.
-#[must_use]
 pub fn inconsistencies(standard: &[f64]) -> Vec<Inconsistency> {
     let (links, rest) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     assert!(rest.is_empty(), "ten parameters per link");

@@ -39,7 +39,6 @@ pub enum Parent {
 
 impl Parent {
     /// The link that `joint` sits on, `None` for the base.
-    #[must_use]
     pub const fn of(self, joint: usize) -> Option<usize> {
         match self {
             Self::Previous => joint.checked_sub(1),
@@ -49,7 +48,6 @@ impl Parent {
     }
 
     /// The one name of `link` (`None` for the base) as the parent of `joint`.
-    #[must_use]
     pub fn named(link: Option<usize>, joint: usize) -> Self {
         if link == Self::Previous.of(joint) { Self::Previous } else { link.map_or(Self::Base, Self::Link) }
     }
@@ -117,14 +115,12 @@ pub(crate) struct JointFrame {
 
 impl Joint {
     /// A revolute joint at `placement` on the link of the joint before, whose angle is its coordinate.
-    #[must_use]
     pub const fn revolute(placement: Placement) -> Self {
         let (kind, parent) = (JointKind::Revolute, Parent::Previous);
         Self { kind, parent, placement, theta_offset_rad: 0.0, sign: 1.0 }
     }
 
     /// A prismatic joint at `placement` on the link of the joint before, which slides by its coordinate.
-    #[must_use]
     pub const fn prismatic(placement: Placement) -> Self {
         Self { kind: JointKind::Prismatic, ..Self::revolute(placement) }
     }
@@ -146,7 +142,6 @@ impl Joint {
 impl Placement {
     /// A translation and then a turn by roll, pitch and yaw about fixed axes, Rot_z(yaw) Rot_y(pitch) Rot_x(roll): the
     /// `origin` of robot description files. Multiples of π/2 give entries that are exactly 0 and ±1.
-    #[must_use]
     pub fn from_roll_pitch_yaw(translation_m: [f64; 3], roll_pitch_yaw_rad: [f64; 3]) -> Self {
         let [(sr, cr), (sp, cp), (sy, cy)] = roll_pitch_yaw_rad.map(exact_sin_cos);
         let rotation = [

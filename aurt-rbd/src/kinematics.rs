@@ -14,7 +14,6 @@ pub struct LinkFrame {
 
 impl LinkFrame {
     /// A point of the link, in the base frame.
-    #[must_use]
     pub fn point_m(&self, in_link_m: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|r| {
             self.origin_m[r] + (0..3).map(|c| self.rotation[r][c] * in_link_m[c]).sum::<f64>()

@@ -115,7 +115,6 @@ impl MdhTable {
 
     /// The joints that the table describes: each with the constant transformation from the previous link
     /// frame, Rot_x(α) Trans_x(a) Trans_z(d), to which the joint adds its rotation about z or its shift along z.
-    #[must_use]
     pub fn joints(&self) -> Vec<Joint> {
         self.rows
             .iter()
@@ -140,7 +139,6 @@ impl MdhTable {
     /// What a reader of the table should know though it is no error: angles that look like a rounded
     /// multiple of π/4. Rounding makes axes that are parallel or perpendicular slightly not so, and that
     /// adds base parameters which no recording can determine.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let step = FRAC_PI_2 / 2.0;
         let mut notes = Vec::new();

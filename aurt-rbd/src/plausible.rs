@@ -8,7 +8,6 @@ pub const LARGEST_ANGLE_RAD: f64 = 4.0 * std::f64::consts::PI;
 pub const LARGEST_GRAVITY_M_S2: f64 = 100.0;
 
 /// What is wrong with a length, as the rest of a sentence.
-#[must_use]
 pub fn length_complaint(value_m: f64) -> Option<String> {
     if !value_m.is_finite() {
         return Some(format!("must be finite, is {value_m}"));
@@ -18,7 +17,6 @@ pub fn length_complaint(value_m: f64) -> Option<String> {
 }
 
 /// What is wrong with an angle, as the rest of a sentence.
-#[must_use]
 pub fn angle_complaint(value_rad: f64) -> Option<String> {
     if !value_rad.is_finite() {
         return Some(format!("must be finite, is {value_rad}"));
@@ -29,7 +27,6 @@ pub fn angle_complaint(value_rad: f64) -> Option<String> {
 }
 
 /// What is wrong with a gravity vector, as the rest of a sentence.
-#[must_use]
 pub fn gravity_complaint(gravity_m_s2: [f64; 3]) -> Option<String> {
     if !gravity_m_s2.iter().all(|g| g.is_finite()) {
         return Some(format!("must be three finite numbers in m/s^2, is {gravity_m_s2:?}"));

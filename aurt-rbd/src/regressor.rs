@@ -118,7 +118,6 @@ impl SerialChain {
     ///
     /// # Panics
     /// If a slice does not have N entries.
-    #[must_use]
     pub fn regressor(&self, q_rad: &[f64], qd_rad_s: &[f64], qdd_rad_s2: &[f64]) -> Vec<f64> {
         let joints = self.joints().len();
         let parameters = joints * INERTIAL_PARAMETERS;

@@ -37,7 +37,6 @@ const SAME_GRAVITY_RAD: f64 = 0.01;
 
 impl BranchMotion {
     /// A joint that carries the base and stands elsewhere in one recording than in another.
-    #[must_use]
     pub fn elsewhere<'a>(of: &'a [Self], than: &'a [Self]) -> Option<&'a Self> {
         let stands = |in_all: &[Self], joint: &str| {
             let found = in_all.iter().find(|b| b.carries_base && !b.slides && b.joint == joint);

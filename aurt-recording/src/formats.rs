@@ -40,7 +40,6 @@ pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static RecordingFormat 
 
 /// Whether a path names a recording of several files: the folder of a bag of ROS 2 or of a LeRobot data set, or the
 /// `metadata.yaml` or `meta/info.json` that describes it.
-#[must_use]
 pub fn is_recording_folder(path: &Path) -> bool {
     #[cfg(feature = "mcap")]
     if described(path).is_some() {

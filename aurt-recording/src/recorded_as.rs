@@ -38,13 +38,11 @@ impl TimeUnit {
         [("s", Self::Second), ("ms", Self::Millisecond), ("us", Self::Microsecond), ("ns", Self::Nanosecond)];
 
     /// How experiments write it.
-    #[must_use]
     pub const fn key(self) -> &'static str {
         Self::NAMES[self as usize].0
     }
 
     /// Its length in s.
-    #[must_use]
     pub const fn seconds(self) -> f64 {
         match self {
             Self::Second => 1.0,
@@ -55,7 +53,6 @@ impl TimeUnit {
     }
 
     /// How it is written.
-    #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::Second => "s",
@@ -163,7 +160,6 @@ impl RecordedAs {
     }
 
     /// What it says of quantities, which may lie in several files: nothing of a file's own stamps, topic and columns.
-    #[must_use]
     pub fn of_quantities(&self) -> Self {
         Self {
             angle: self.angle,

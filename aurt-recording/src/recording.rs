@@ -45,7 +45,6 @@ pub enum RecordedJoints {
 
 impl RecordedJoints {
     /// The names, series after series; empty where there are none.
-    #[must_use]
     pub fn names(&self) -> &[String] {
         match self {
             Self::Unnamed => &[],
@@ -119,7 +118,6 @@ impl ReadReport {
     }
 
     /// The report in sentences.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         const SHOWN: usize = 8;
         let mut notes = vec![format!("{} rows, {}", self.rows, self.format)];
@@ -216,13 +214,11 @@ impl Recording {
     }
 
     /// Number of joints.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.position_rad.len()
     }
 
     /// Number of samples.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.time_s.len()
     }
@@ -234,7 +230,6 @@ impl Recording {
     }
 
     /// Time from the first to the last stamp, in s.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {
             (Some(first), Some(last)) => last - first,
@@ -272,7 +267,6 @@ impl Recording {
     }
 
     /// The samples of a range.
-    #[must_use]
     pub fn rows(&self, range: Range<usize>) -> Self {
         self.with_series(|series| series[range.clone()].to_vec())
     }

@@ -46,7 +46,6 @@ impl From<RobotRecording> for Recording {
 
 impl RobotRecording {
     /// The joints that it has, as those of a robot.
-    #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         RobotJoints { names: self.joints.names().to_vec(), ..self.joints().into() }
     }
@@ -61,7 +60,6 @@ impl From<usize> for RobotJoints {
 
 impl RobotJoints {
     /// The joints of rigid bodies.
-    #[must_use]
     pub fn of(body: &dyn aurt_traits::RigidBodyRegressor) -> Self {
         let (names, branches) = (body.joint_names().to_vec(), body.branches().to_vec());
         let sliding = (0..body.joints()).map(|joint| body.slides(joint)).collect();
@@ -69,7 +67,6 @@ impl RobotJoints {
     }
 
     /// Whether a joint slides: its positions are in m.
-    #[must_use]
     pub fn slides(&self, joint: usize) -> bool {
         self.sliding.get(joint).is_some_and(|slides| *slides)
     }

@@ -56,13 +56,11 @@ impl Stretches {
     }
 
     /// A recording of which nothing is left out, however long it is.
-    #[must_use]
     pub fn whole(recording: Recording) -> Self {
         Self { kept: KeptStretches::default(), rest: recording }
     }
 
     /// Rows that are kept.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.rest.samples() + self.kept.rows()
     }
@@ -82,7 +80,6 @@ impl Stretches {
     }
 
     /// One recording, with gaps where stretches were left out; a remark of its report tells of them.
-    #[must_use]
     pub fn into_recording(self) -> Recording {
         let (all, rows, every) = (self.rest.report.rows, self.rows(), self.kept.every);
         let mut joined = self.rest;

@@ -20,7 +20,6 @@ pub struct ArmSeries<'a> {
 
 impl<'a> ArmSeries<'a> {
     /// The load torque of one joint.
-    #[must_use]
     pub fn load_torque(&self, joint: usize) -> &'a [f64] {
         let start = joint * self.load_stride;
         &self.load_torque[start..start + self.motion.samples()]

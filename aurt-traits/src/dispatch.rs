@@ -30,7 +30,6 @@ impl Dispatch {
     pub const VARIABLE: &str = "AURT_SIMD";
 
     /// The level's name, as the environment variable spells it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Baseline => "baseline",
@@ -40,7 +39,6 @@ impl Dispatch {
     }
 
     /// Whether this processor has the level.
-    #[must_use]
     pub fn is_available(self) -> bool {
         match self {
             Self::Baseline => true,
@@ -59,7 +57,6 @@ impl Dispatch {
     }
 
     /// The levels that this processor has, slowest first.
-    #[must_use]
     pub fn available() -> Vec<Self> {
         Self::ALL.into_iter().filter(|level| level.is_available()).collect()
     }
@@ -105,7 +102,6 @@ impl Dispatch {
     /// The level in force: the selected one, else the environment's, else the best available. An
     /// environment variable that cannot be followed is passed over here; a program that wants to refuse
     /// it calls [`Self::from_environment`] at its start.
-    #[must_use]
     pub fn active() -> Self {
         static DETECTED: OnceLock<Dispatch> = OnceLock::new();
         match SELECTED.load(Ordering::Relaxed) {

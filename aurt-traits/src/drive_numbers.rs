@@ -24,7 +24,6 @@ macro_rules! drive_numbers {
 
         impl $name {
             /// Every number with what is known of it.
-            #[must_use]
             pub fn numbers(&self) -> Vec<$crate::DriveParameter> {
                 vec![$($crate::DriveParameter {
                     parameter: $crate::Parameter::new(stringify!($key), $unit),
@@ -35,7 +34,6 @@ macro_rules! drive_numbers {
             }
 
             /// The meaning of every number, in the order of [`Self::numbers`].
-            #[must_use]
             pub fn meanings() -> Vec<String> {
                 vec![$([$($meaning.trim()),+].join(" "),)+]
             }

@@ -42,7 +42,6 @@ impl Invariant {
     ];
 
     /// The invariant in words, as the rest of "it is …".
-    #[must_use]
     pub const fn in_words(self) -> &'static str {
         match self {
             Self::EvenInLoad => "even in the load torque",
@@ -67,7 +66,6 @@ impl Invariants {
     pub const NONE: Self = Self(0);
 
     /// The set of the given invariants.
-    #[must_use]
     pub const fn of(list: &[Invariant]) -> Self {
         let mut bits = 0;
         let mut i = 0;
@@ -85,7 +83,6 @@ impl Invariants {
     }
 
     /// Whether `invariant` is in the set.
-    #[must_use]
     pub const fn contains(self, invariant: Invariant) -> bool {
         self.0 & (1 << invariant as u32) != 0
     }
@@ -96,13 +93,11 @@ impl Invariants {
     }
 
     /// The set as a bit mask (bit k is `Invariant::ALL[k]`), as the plugin ABI carries it.
-    #[must_use]
     pub const fn bits(self) -> u32 {
         self.0
     }
 
     /// The set of a bit mask; unknown bits are dropped.
-    #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits & ((1 << Invariant::ALL.len()) - 1))
     }

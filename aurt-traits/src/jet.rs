@@ -26,7 +26,6 @@ impl Jet {
     pub const ZERO: Self = Self::constant(0.0);
 
     /// A number that no direction changes.
-    #[must_use]
     pub const fn constant(value: f64) -> Self {
         Self { value, slope: [0.0; Self::LANES] }
     }
@@ -35,7 +34,6 @@ impl Jet {
     ///
     /// # Panics
     /// If there is no such lane.
-    #[must_use]
     pub const fn variable(value: f64, lane: usize) -> Self {
         let mut jet = Self::constant(value);
         jet.slope[lane] = 1.0;

@@ -163,25 +163,21 @@ impl JointStack {
     }
 
     /// The Coulomb model.
-    #[must_use]
     pub fn coulomb(&self) -> &dyn CoulombModel {
         &*self.coulomb
     }
 
     /// The hysteresis model.
-    #[must_use]
     pub fn hysteresis(&self) -> &dyn HysteresisModel {
         &*self.hysteresis
     }
 
     /// The viscous model.
-    #[must_use]
     pub fn viscous(&self) -> &dyn ViscousBasis {
         &*self.viscous
     }
 
     /// The stack's coefficients, in column order.
-    #[must_use]
     pub fn columns(&self) -> Vec<Parameter> {
         let hysteresis = self.hysteresis.columns();
         let mut columns = Vec::new();
@@ -197,7 +193,6 @@ impl JointStack {
     }
 
     /// The shape parameters of the three models, Coulomb first.
-    #[must_use]
     pub fn shape_parameters(&self) -> Vec<ShapeParameter> {
         let mut all = self.coulomb.shape_parameters();
         all.extend(self.hysteresis.shape_parameters());
@@ -222,7 +217,6 @@ impl JointStack {
     }
 
     /// The state before the first sample of a series.
-    #[must_use]
     pub fn initial_state(&self, first: &JointSeries<'_>) -> Vec<f64> {
         let mut state = self.coulomb.initial_state(first);
         state.extend(self.hysteresis.initial_state(first));

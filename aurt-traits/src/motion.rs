@@ -40,19 +40,16 @@ impl Motion {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints
     }
 
     /// Number of samples.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.time_s.len()
     }
 
     /// The whole motion as a view.
-    #[must_use]
     pub fn view(&self) -> MotionView<'_> {
         MotionView {
             joints: self.joints,
@@ -85,7 +82,6 @@ impl<'a> MotionView<'a> {
     ///
     /// # Panics
     /// If velocities or accelerations are not as many as positions.
-    #[must_use]
     pub fn of_sample(
         time_s: &'a f64,
         position_rad: &'a [f64],
@@ -100,37 +96,31 @@ impl<'a> MotionView<'a> {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints
     }
 
     /// Number of samples in view.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
 
     /// Times in s.
-    #[must_use]
     pub fn time_s(&self) -> &'a [f64] {
         &self.time_s[self.first..self.first + self.samples]
     }
 
     /// Angles of one joint in rad.
-    #[must_use]
     pub fn position_rad(&self, joint: usize) -> &'a [f64] {
         self.of(self.position_rad, joint)
     }
 
     /// Velocities of one joint in rad/s.
-    #[must_use]
     pub fn velocity_rad_s(&self, joint: usize) -> &'a [f64] {
         self.of(self.velocity_rad_s, joint)
     }
 
     /// Accelerations of one joint in rad/s².
-    #[must_use]
     pub fn acceleration_rad_s2(&self, joint: usize) -> &'a [f64] {
         self.of(self.acceleration_rad_s2, joint)
     }
@@ -139,7 +129,6 @@ impl<'a> MotionView<'a> {
     ///
     /// # Panics
     /// If `range` reaches beyond the view.
-    #[must_use]
     pub fn slice(&self, range: Range<usize>) -> Self {
         assert!(range.start <= range.end && range.end <= self.samples, "slice beyond the motion");
         Self { first: self.first + range.start, samples: range.end - range.start, ..*self }
@@ -185,7 +174,6 @@ pub struct JointSeries<'a> {
 
 impl<'a> JointSeries<'a> {
     /// Number of samples.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.velocity_rad_s.len()
     }
@@ -194,7 +182,6 @@ impl<'a> JointSeries<'a> {
     ///
     /// # Panics
     /// If `range` reaches beyond the series.
-    #[must_use]
     pub fn slice(&self, range: Range<usize>) -> Self {
         Self {
             time_s: &self.time_s[range.clone()],

@@ -14,7 +14,6 @@ pub enum MeasurementUnit {
 
 impl MeasurementUnit {
     /// The unit's symbol, `Nm` or `A`.
-    #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::NewtonMetre => "Nm",
@@ -23,7 +22,6 @@ impl MeasurementUnit {
     }
 
     /// The word used in column names: `torque` or `current`.
-    #[must_use]
     pub const fn quantity(self) -> &'static str {
         match self {
             Self::NewtonMetre => "torque",
@@ -40,7 +38,6 @@ impl MeasurementUnit {
     /// assert_eq!(Ampere.express("kg m^2"), "A/Nm kg m^2");
     /// assert_eq!(Ampere.express("rad"), "rad");
     /// ```
-    #[must_use]
     pub fn express(self, unit: &str) -> String {
         match self {
             Self::NewtonMetre => unit.to_owned(),

@@ -16,7 +16,6 @@ pub enum Slot {
 
 impl Slot {
     /// The slot's name as experiments spell it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Coulomb => "coulomb",

@@ -139,13 +139,11 @@ impl<'a> RegressorTile<'a> {
     }
 
     /// Number of samples per column.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
 
     /// Number of standard parameters P.
-    #[must_use]
     pub const fn parameters(&self) -> usize {
         self.parameters
     }
@@ -183,13 +181,11 @@ pub struct BaseParameters {
 
 impl BaseParameters {
     /// Number of base parameters.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.columns.len()
     }
 
     /// Whether there is none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }
@@ -198,7 +194,6 @@ impl BaseParameters {
     ///
     /// # Panics
     /// If `standard` is shorter than the largest index used.
-    #[must_use]
     pub fn values(&self, standard: &[f64]) -> Vec<f64> {
         self.combinations.iter().map(|c| c.iter().map(|(i, factor)| factor * standard[*i]).sum()).collect()
     }

@@ -85,31 +85,26 @@ pub struct RobotTile {
 
 impl RobotTile {
     /// Number of samples in the tile.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
 
     /// Column `slot` (see [`RobotModel::row_slots`]), one value per sample.
-    #[must_use]
     pub fn slot(&self, slot: usize) -> &[f64] {
         &self.data[slot * self.stride..slot * self.stride + self.samples]
     }
 
     /// All slots, `stride` apart.
-    #[must_use]
     pub fn raw(&self) -> &[f64] {
         &self.data
     }
 
     /// Distance between the first samples of two slots in [`Self::raw`].
-    #[must_use]
     pub const fn stride(&self) -> usize {
         self.stride
     }
 
     /// The load torque of a joint over the batch.
-    #[must_use]
     pub fn load_torque(&self, joint: usize) -> &[f64] {
         &self.load[joint * self.stride..joint * self.stride + self.samples]
     }
@@ -217,85 +212,71 @@ impl RobotModel {
     }
 
     /// What is known of the rigid bodies before any recording.
-    #[must_use]
     pub const fn known_bodies(&self) -> Option<&KnownBodies> {
         self.known_bodies.as_ref()
     }
 
     /// Names of the robot's joints and links.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of(&**self.rigid_body())
     }
 
     /// Number of joints N.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.stacks.len()
     }
 
     /// The rigid bodies.
-    #[must_use]
     pub fn rigid_body(&self) -> &Arc<dyn RigidBodyRegressor> {
         &self.rigid_body
     }
 
     /// The base inertial parameters.
-    #[must_use]
     pub const fn base(&self) -> &BaseParameters {
         &self.base
     }
 
     /// The joints' stacks.
-    #[must_use]
     pub fn stacks(&self) -> &[JointStack] {
         &self.stacks
     }
 
     /// The arm terms.
-    #[must_use]
     pub fn arm_terms(&self) -> &[Box<dyn ArmTerm>] {
         &self.arm_terms
     }
 
     /// All coefficients, in column order. Names carry the joint (`F_C0_2`) or the arm term (`spring.k_1`).
-    #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
     /// The column ranges, in order.
-    #[must_use]
     pub fn groups(&self) -> &[(ColumnGroup, Range<usize>)] {
         &self.groups
     }
 
     /// The column range of a group; empty for a group that the model does not have.
-    #[must_use]
     pub fn group(&self, group: ColumnGroup) -> Range<usize> {
         self.groups.iter().find(|(g, _)| *g == group).map_or(0..0, |(_, r)| r.clone())
     }
 
     /// The columns that can be non-zero in a joint's row, ascending.
-    #[must_use]
     pub fn row_columns(&self, joint: usize) -> &[usize] {
         &self.rows[joint]
     }
 
     /// The tile slots of a joint's row, in the order of [`Self::row_columns`].
-    #[must_use]
     pub fn row_slots(&self, joint: usize) -> Range<usize> {
         self.row_start[joint]..self.row_start[joint + 1]
     }
 
     /// Number of slots of a tile, over all joints.
-    #[must_use]
     pub fn slots(&self) -> usize {
         self.row_start[self.joints()]
     }
 
     /// Whether each coefficient is a load that joints transmit.
-    #[must_use]
     pub fn is_load(&self) -> Vec<bool> {
         let mut load = vec![false; self.parameters.len()];
         for (group, range) in &self.groups {

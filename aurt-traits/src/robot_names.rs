@@ -12,37 +12,31 @@ pub struct RobotNames<'a> {
 
 impl<'a> RobotNames<'a> {
     /// The names that rigid bodies carry.
-    #[must_use]
     pub fn of(body: &'a dyn RigidBodyRegressor) -> Self {
         Self { joints: body.joint_names(), links: body.link_names() }
     }
 
     /// Names of joints alone.
-    #[must_use]
     pub const fn of_joints(joints: &'a [String]) -> Self {
         Self { joints, links: &[] }
     }
 
     /// A joint in a sentence: `elbow_joint`, or `joint 2`.
-    #[must_use]
     pub fn joint(&self, joint: usize) -> String {
         self.joints.get(joint).map_or_else(|| format!("joint {joint}"), |name| printable(name))
     }
 
     /// A joint under a heading that says "joint": `elbow_joint`, or `2`.
-    #[must_use]
     pub fn joint_cell(&self, joint: usize) -> String {
         self.joints.get(joint).map_or_else(|| joint.to_string(), |name| printable(name))
     }
 
     /// Joints in a sentence: `elbow_joint and wrist_1_joint`, or `joints 2 and 3`.
-    #[must_use]
     pub fn joint_list(&self, joints: &[usize]) -> String {
         self.joint_list_with(joints, |_| String::new())
     }
 
     /// Joints in a sentence, each followed by what `detail` says of it: `joints 2 (1.5 times) and 3 (2 times)`.
-    #[must_use]
     pub fn joint_list_with(&self, joints: &[usize], detail: impl Fn(usize) -> String) -> String {
         let cells: Vec<String> =
             joints.iter().map(|joint| format!("{}{}", self.joint_cell(*joint), detail(*joint))).collect();
@@ -59,7 +53,6 @@ impl<'a> RobotNames<'a> {
     }
 
     /// A link in a sentence: `wrist_3_link`, or `link 5`.
-    #[must_use]
     pub fn link(&self, link: usize) -> String {
         let name = self.links.get(link).filter(|name| !name.trim().is_empty());
         name.map_or_else(|| format!("link {link}"), |name| printable(name))

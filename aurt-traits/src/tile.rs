@@ -21,13 +21,11 @@ impl<'a> Columns<'a> {
     }
 
     /// Number of columns.
-    #[must_use]
     pub const fn columns(&self) -> usize {
         self.columns
     }
 
     /// Number of samples per column.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
@@ -39,7 +37,6 @@ impl<'a> Columns<'a> {
     }
 
     /// Column `k`.
-    #[must_use]
     pub fn column(&self, k: usize) -> &[f64] {
         assert!(k < self.columns, "column {k} of {}", self.columns);
         &self.data[k * self.stride..k * self.stride + self.samples]

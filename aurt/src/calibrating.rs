@@ -53,7 +53,6 @@ pub struct Calibrator {
 
 impl Calibrator {
     /// A calibration of a model.
-    #[must_use]
     pub fn new(model: RobotModel) -> Self {
         Self { model, settings: Settings::default(), recordings: Vec::new() }
     }

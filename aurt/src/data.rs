@@ -68,7 +68,6 @@ pub struct Source {
 
 impl Source {
     /// Of a recording in memory, under the name that it has.
-    #[must_use]
     pub fn of(recording: &Recording) -> Self {
         let (file, label) = (recording.file.clone(), recording.file.display().to_string());
         Self { file, label, window_s: None, unit: None, columns: None, recorded: RecordedAs::default() }

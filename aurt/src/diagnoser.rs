@@ -80,7 +80,6 @@ pub struct Diagnoser {
 
 impl Diagnoser {
     /// A diagnosis of a model, which is fitted to the recordings.
-    #[must_use]
     pub fn new(model: RobotModel) -> Self {
         Self {
             model,
@@ -96,7 +95,6 @@ impl Diagnoser {
     }
 
     /// A diagnosis of a calibrated model as it is, with its own settings: its coefficients are not fitted again.
-    #[must_use]
     pub fn of_given(model: CalibratedModel) -> Self {
         let CalibratedModel { model, calibration, preprocessing, instrument, origins } = model;
         let settings = Settings { preprocessing, instrument, calibration: calibration.options };
@@ -358,26 +356,22 @@ impl Diagnosis {
     }
 
     /// The answer: with a target about the change, else about what the model lacks.
-    #[must_use]
     pub const fn answer(&self) -> Answer {
         self.verdict.verdict
     }
 
     /// Whether something has changed or is missing.
-    #[must_use]
     pub fn is_found(&self) -> bool {
         is_found(&self.verdict)
     }
 
     /// The effects that are claimed, strongest first.
-    #[must_use]
     pub fn effects(&self) -> Vec<Named<'_>> {
         self.verdict.effects.iter().map(|finding| Named { effect: Effect::of(finding), finding }).collect()
     }
 }
 
 /// Whether something has changed or is missing, as a verdict says.
-#[must_use]
 pub fn is_found(verdict: &Verdict) -> bool {
     [Some(verdict.verdict), verdict.structure]
         .into_iter()

@@ -42,7 +42,6 @@ pub struct UsedSeries<'r> {
 
 impl<'r> UsedSeries<'r> {
     /// The part of a recording that its source asks for.
-    #[must_use]
     pub fn of(source: &'r Source, recording: &'r Recording, role: &'static str) -> Self {
         let time = &recording.time_s;
         let first = time.first().copied().unwrap_or(0.0);

@@ -46,7 +46,6 @@ pub struct Named<'v> {
 
 impl Named<'_> {
     /// In which recordings it was found.
-    #[must_use]
     pub fn presence(&self) -> Presence {
         let only = |kind: &str| self.finding.present_in.iter().all(|k| k == kind);
         match (only("target"), only("calibration")) {
@@ -134,7 +133,6 @@ macro_rules! effects {
             pub const ALL: &'static [Self] = &[$(Self::$kind),+];
 
             /// The identifier in experiments, verdicts and `aurt explain`.
-            #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$kind => $id),+ }
             }
@@ -166,7 +164,6 @@ macro_rules! effects {
 
         impl Effect {
             /// The effect of a finding.
-            #[must_use]
             pub fn of(finding: &Finding) -> Self {
                 let joints = finding.joints.len();
                 let known = match finding.effect.as_str() {
@@ -183,7 +180,6 @@ macro_rules! effects {
             }
 
             /// Its kind; none of [`Self::Other`].
-            #[must_use]
             pub const fn kind(&self) -> Option<EffectKind> {
                 match self {
                     $(Self::$kind(_) => Some(EffectKind::$kind),)+

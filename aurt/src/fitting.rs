@@ -56,7 +56,6 @@ pub struct Assigned {
 
 impl Assigned {
     /// Where it is from.
-    #[must_use]
     pub const fn origin(&self) -> (&Source, Role) {
         (&self.loaded.source, self.role)
     }
@@ -78,7 +77,6 @@ pub struct Outcome {
 
 impl Role {
     /// What recordings of this part are preprocessed for.
-    #[must_use]
     pub const fn purpose(self) -> Purpose {
         match self {
             Self::Calibration => Purpose::Calibration,

@@ -85,13 +85,11 @@ impl Origins {
     }
 
     /// The hash of the calibration recording of a name, if it has one.
-    #[must_use]
     pub fn blake3(&self, recording: &str) -> Option<&str> {
         self.calibration.iter().find(|r| r.file == recording)?.blake3.as_deref()
     }
 
     /// Whether nothing is known.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

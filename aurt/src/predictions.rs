@@ -32,7 +32,6 @@ pub fn to_csv(stamps_s: &[f64], predictions: &[Prediction], unit: MeasurementUni
 ///
 /// Predictions live on the uniform grid of preprocessing. Between two points of the grid they are interpolated
 /// linearly; before, after and between segments the nearest point of the grid counts.
-#[must_use]
 pub fn at_stamps(stamps_s: &[f64], predictions: &[Prediction]) -> Vec<Vec<f64>> {
     let joints = predictions.first().map_or(0, |p| p.predicted.len());
     let places: Vec<Option<Place>> = stamps_s.iter().map(|stamp| Place::of(*stamp, predictions)).collect();

@@ -25,13 +25,11 @@ impl std::fmt::Debug for Progress {
 
 impl Progress {
     /// Nobody watches.
-    #[must_use]
     pub const fn silent() -> Self {
         Self { observer: None }
     }
 
     /// `observer` watches.
-    #[must_use]
     pub fn observed(observer: impl Observer + 'static) -> Self {
         Self { observer: Some(Box::new(observer)) }
     }

@@ -23,7 +23,6 @@ pub enum Asked {
 
 impl Asked {
     /// Of a question, as its recordings have it.
-    #[must_use]
     pub fn of(question: &Question<'_>) -> Self {
         let has = |role| question.recordings.iter().any(|r| r.role == role);
         match (has(Role::Target), has(Role::Calibration)) {

@@ -8,7 +8,6 @@ const KNOCK_S: f64 = 0.05;
 
 /// A recording with knocks of 50 ms in one per cent of its rows, each of 60 deviations of the noise at every joint, two of three
 /// in the same direction.
-#[must_use]
 pub fn with_knocks(mut clean: Recording) -> Recording {
     let duration_s = clean.time_s.len() as f64 / RATE_HZ;
     let count = (0.01 * duration_s / KNOCK_S).round() as usize;

@@ -98,13 +98,11 @@ pub fn links() -> [LinkBody; 6] {
 
 impl KnownRobot {
     /// The robot; `load` adds a body to its last link, as the arm term `payload` of the model.
-    #[must_use]
     pub fn new(load: Option<&LinkBody>) -> Self {
         Self::with_stribeck(load, Vec::new())
     }
 
     /// The same with dry friction that is higher near rest on some joints; the model begins with another shape.
-    #[must_use]
     pub fn with_stribeck(load: Option<&LinkBody>, stribeck: Vec<Stribeck>) -> Self {
         let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
         let mut standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
@@ -211,7 +209,6 @@ fn harmonics(joint: usize, t: f64, terms: &[[f64; 2]]) -> [f64; 3] {
 }
 
 /// A clean recording as it would be measured: torques with noise of `level` times [`NOISE_NM`].
-#[must_use]
 pub fn measured(
     clean: &Recording,
     name: &str,
@@ -225,7 +222,6 @@ pub fn measured(
 }
 
 /// The same, preprocessed otherwise.
-#[must_use]
 pub fn measured_and(
     clean: &Recording,
     name: &str,

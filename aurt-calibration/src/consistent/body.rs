@@ -25,7 +25,6 @@ pub struct PossibleBody {
 /// within 0.001 of the least. A body that was taken off, one of negative mass, is returned as one.
 ///
 /// None if anything is not finite, the covariance is not positive definite, or the mass is zero.
-#[must_use]
 pub fn possible_body(estimate: &[f64; 10], covariance: &[f64]) -> Option<PossibleBody> {
     let mass = estimate[9];
     let finite = estimate.iter().chain(covariance).all(|v| v.is_finite());

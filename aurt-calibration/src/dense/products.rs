@@ -10,7 +10,6 @@ use super::{
 ///
 /// # Panics
 /// If `x` or `y` is too short.
-#[must_use]
 pub fn products_of_columns(x: (&[f64], usize, usize), y: (&[f64], usize, usize), rows: usize) -> Vec<f64> {
     let mut products = vec![0.0; x.2 * y.2];
     products_of(Dispatch::active(), x, y, rows, &mut products);

@@ -108,7 +108,6 @@ impl DrivenArm {
     }
 
     /// Every number of the arm: each joint's drive, then its mechanics; the floor last.
-    #[must_use]
     pub fn numbers(&self) -> Vec<DriveParameter> {
         let of = |joint: &DrivenJoint| [joint.drive.parameters(), joint.mechanics.numbers()].concat();
         let floor = self.floor.iter().flat_map(Floor::numbers);
@@ -116,7 +115,6 @@ impl DrivenArm {
     }
 
     /// The names of [`Self::numbers`], with their joint: `delay_s_2`.
-    #[must_use]
     pub fn names(&self) -> Vec<String> {
         let of = |(j, joint): (usize, &DrivenJoint)| {
             let numbers = [joint.drive.parameters(), joint.mechanics.numbers()].concat();

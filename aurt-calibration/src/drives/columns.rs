@@ -33,7 +33,6 @@ pub(crate) struct Column {
 }
 
 /// A name of [`DrivenArm::names`] without its joint.
-#[must_use]
 pub fn stem(name: &str) -> &str {
     name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0)
 }

@@ -71,7 +71,6 @@ impl DriveRecording {
 
     /// Some of the samples. A part that begins on the way starts where the robot was, with its velocity, and keeps the commands
     /// before; samples of the range that are not there are left out.
-    #[must_use]
     pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
         let last = samples.end.min(self.time_s.len());
         let first = samples.start.min(last.saturating_sub(1));

@@ -107,7 +107,6 @@ impl PositionBias {
     }
 
     /// The coefficients whose intervals are wider by it, the worst first.
-    #[must_use]
     pub fn notable(&self) -> Vec<&ParameterBias> {
         let mut notable: Vec<&ParameterBias> =
             self.parameters.iter().filter(|p| p.deviations.abs() > NOTABLE).collect();

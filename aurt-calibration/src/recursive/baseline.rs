@@ -143,7 +143,6 @@ impl Baseline {
 
     /// What the rows of a recording say of a parameter; nothing where they or the baseline's do not determine it. `window_variance`
     /// is the formal variance s² of one of its windows.
-    #[must_use]
     pub fn drift(&self, solution: &Solution, parameter: usize, window_variance: f64) -> Drift {
         let Some((value, within)) = self.observed(solution, parameter) else {
             return Drift { value: None, interval_95: None };

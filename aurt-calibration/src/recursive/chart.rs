@@ -41,7 +41,6 @@ impl Chart {
     pub const ALLOWANCE: f64 = 0.5;
 
     /// A chart of a parameter with the threshold h; nothing where the baseline does not determine it.
-    #[must_use]
     pub fn new(parameter: usize, baseline: &Baseline, threshold: f64) -> Option<Self> {
         let cusum = Cusum::new(Self::ALLOWANCE, threshold);
         let chart = Self {
@@ -59,7 +58,6 @@ impl Chart {
     }
 
     /// Windows before this index can no longer begin a change.
-    #[must_use]
     pub fn needed_from(&self) -> usize {
         self.lasting.iter().fold(self.sudden.needed_from(), |first, c| first.min(c.needed_from()))
     }

@@ -24,13 +24,11 @@ pub struct ChangePoint {
 
 impl Cusum {
     /// A chart with allowance k and threshold h, both in standard deviations.
-    #[must_use]
     pub const fn new(allowance: f64, threshold: f64) -> Self {
         Self { allowance, threshold, sums: [0.0; 2], started: [0; 2], taken: 0 }
     }
 
     /// Values before this index can no longer begin a change.
-    #[must_use]
     pub fn needed_from(&self) -> usize {
         let begun = self.sums.iter().zip(&self.started).filter(|(sum, _)| **sum > 0.0);
         begun.map(|(_, started)| *started).min().unwrap_or(self.taken)
@@ -64,14 +62,12 @@ impl Cusum {
 /// Mean number of values between two false alarms of a two-sided [`Cusum`] over independent N(0, 1) values, by
 /// Siegmund's approximation: ½ (e^{2kb} − 2kb − 1) / (2k²), b = h + 1.166 (Siegmund 1985, *Sequential Analysis*,
 /// equation 2.56).
-#[must_use]
 pub fn average_run_length(allowance: f64, threshold: f64) -> f64 {
     let x = 2.0 * allowance * (threshold + 1.166);
     0.5 * (libm::expm1(x) - x) / (2.0 * allowance * allowance)
 }
 
 /// The threshold with that [`average_run_length`]; zero where even that gives more.
-#[must_use]
 pub fn threshold_for(allowance: f64, run_length: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while average_run_length(allowance, high) < run_length {

@@ -62,7 +62,6 @@ pub struct DriftWindow {
 
 impl DriftReference<'_> {
     /// The columns: friction of each joint, gain of each joint, load.
-    #[must_use]
     pub fn parameters(&self) -> Vec<DriftParameter> {
         let joints = self.model.joints();
         let relative = |group, what: &str, joint: usize| DriftParameter {
@@ -85,7 +84,6 @@ impl DriftReference<'_> {
     }
 
     /// The drift parameters in each joint's rows.
-    #[must_use]
     pub fn columns(&self) -> Vec<Vec<usize>> {
         let (joints, known) = (self.model.joints(), self.coefficients.len());
         let load = |joint: usize| self.model.row_columns(joint).iter().filter(move |c| **c >= known);
@@ -109,7 +107,6 @@ pub struct Cut {
 
 impl Cut {
     /// Whole recordings.
-    #[must_use]
     pub const fn whole(window_s: f64) -> Self {
         Self { window_s, span_s: [f64::NEG_INFINITY, f64::INFINITY], origin_s: None }
     }

@@ -36,7 +36,6 @@ impl DriftEstimate {
 ///
 /// A change that the drift parameters do not describe in full raises the residual of its joint: it is no less a change, but how large, is
 /// less sure.
-#[must_use]
 pub fn own_residuals(rows: &System, solution: &Solution, sigma: &[f64]) -> Vec<f64> {
     let n = solution.coefficients.len();
     let ratios = row_variance_ratios(rows, &solution.coefficients, sigma);

@@ -18,7 +18,6 @@ pub struct Tracker {
 impl Tracker {
     /// A tracker that has seen nothing. `columns[j]` are the coefficients that joint j's rows have; `sigma[j]` is the
     /// standard deviation of its noise, unit of the measurement.
-    #[must_use]
     pub fn new(coefficients: usize, columns: Vec<Vec<usize>>, sigma: &[f64]) -> Self {
         let rows = vec![0.0; columns.len()];
         let factors = columns.into_iter().map(JointFactor::new).collect();
@@ -82,13 +81,11 @@ impl Tracker {
     }
 
     /// How many rows of each joint the estimate rests on; with forgetting, the equivalent number.
-    #[must_use]
     pub fn rows(&self) -> &[f64] {
         &self.rows
     }
 
     /// Rows that were not finite.
-    #[must_use]
     pub const fn skipped(&self) -> usize {
         self.skipped
     }

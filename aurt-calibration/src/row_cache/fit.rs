@@ -121,7 +121,6 @@ impl<'r> FitRows<'r> {
     }
 
     /// The rows that are shared.
-    #[must_use]
     pub const fn rigid(&self) -> &'r RigidRows<'r> {
         self.rigid
     }

@@ -69,13 +69,11 @@ impl<'r> RigidRows<'r> {
     }
 
     /// The recordings.
-    #[must_use]
     pub const fn recordings(&self) -> &'r [NamedRecording] {
         self.recordings
     }
 
     /// Number of joints.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.layout.columns.len()
     }

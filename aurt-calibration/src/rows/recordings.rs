@@ -15,13 +15,11 @@ pub struct NamedRecording {
 
 impl NamedRecording {
     /// Rows per joint over all segments.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.data.segments.iter().map(Segment::rows).sum()
     }
 
     /// Whether another recording holds the same motion and measurement, whatever its name.
-    #[must_use]
     pub fn is_copy_of(&self, other: &Self) -> bool {
         let (own, others) = (&self.data.segments, &other.data.segments);
         own.len() == others.len()

@@ -8,19 +8,16 @@ pub struct TermScopes(Vec<Option<Vec<String>>>);
 
 impl TermScopes {
     /// Every term in every recording.
-    #[must_use]
     pub const fn everywhere() -> Self {
         Self(Vec::new())
     }
 
     /// For each arm term the names of its recordings, or `None` for all.
-    #[must_use]
     pub const fn new(recordings: Vec<Option<Vec<String>>>) -> Self {
         Self(recordings)
     }
 
     /// Whether an arm term acts in a recording; names are compared whole or by their last part.
-    #[must_use]
     pub fn acts(&self, term: usize, recording: &str) -> bool {
         let last = |name: &str| Path::new(name).file_name().map(|n| n.to_string_lossy().into_owned());
         self.0.get(term).and_then(Option::as_ref).is_none_or(|names| {
@@ -29,7 +26,6 @@ impl TermScopes {
     }
 
     /// Whether each coefficient of a model acts in a recording.
-    #[must_use]
     pub fn acting(&self, model: &RobotModel, recording: &str) -> Vec<bool> {
         let mut acting = vec![true; model.parameters().len()];
         for (group, columns) in model.groups() {

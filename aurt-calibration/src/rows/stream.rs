@@ -26,19 +26,16 @@ impl<'a> From<DecimatedTile<'a>> for RowBlock<'a> {
 
 impl<'a> RowBlock<'a> {
     /// The rows of one column: a tile slot of the robot model, or a joint for predictions.
-    #[must_use]
     pub fn column(&self, column: usize) -> &'a [f64] {
         self.tile.column(column)
     }
 
     /// The joint's measurement for these rows.
-    #[must_use]
     pub fn measurement<'s>(&self, joint_rows: &'s [f64]) -> &'s [f64] {
         &joint_rows[self.first_row..self.first_row + self.rows]
     }
 
     /// |q̇| of a joint at a row of the block, rad/s.
-    #[must_use]
     pub fn speed(&self, segment: &Segment, joint: usize, row: usize) -> f64 {
         segment.motion.view().velocity_rad_s(joint)[segment.sample(self.first_row + row)].abs()
     }

@@ -15,7 +15,6 @@ pub(crate) fn normal(t: f64, freedom: f64) -> f64 {
 
 /// Student's t with the probability of a normal deviate; the deviate itself where the freedom has no bound, NaN where there
 /// is none.
-#[must_use]
 pub fn student(z: f64, freedom: f64) -> f64 {
     if freedom == f64::INFINITY {
         return z;
@@ -27,7 +26,6 @@ pub fn student(z: f64, freedom: f64) -> f64 {
 }
 
 /// Probability that |t| of some degrees of freedom exceeds |`t`|; NaN where there is no freedom.
-#[must_use]
 pub fn two_sided(t: f64, freedom: f64) -> f64 {
     if t.is_nan() {
         return f64::NAN;

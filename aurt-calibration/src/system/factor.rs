@@ -30,7 +30,6 @@ pub struct JointFactor {
 
 impl JointFactor {
     /// An empty factor over the given columns of the robot's regressor.
-    #[must_use]
     pub fn new(columns: Vec<usize>) -> Self {
         let size = columns.len() + 1;
         Self { columns, size, triangle: vec![0.0; size * size], buffer: Vec::new(), buffered: 0, rows: 0 }
@@ -43,13 +42,11 @@ impl JointFactor {
     }
 
     /// The regressor columns that the joint's rows have.
-    #[must_use]
     pub fn columns(&self) -> &[usize] {
         &self.columns
     }
 
     /// Number of rows taken in.
-    #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows
     }
@@ -105,7 +102,6 @@ impl JointFactor {
     }
 
     /// The triangle R, column-major, (p + 1) × (p + 1); its last column belongs to the measurement.
-    #[must_use]
     pub fn triangle(&self) -> Vec<f64> {
         if self.buffered == 0 {
             return self.triangle.clone();

@@ -39,13 +39,11 @@ pub struct Solution {
 
 impl System {
     /// A system over `coefficients` coefficients.
-    #[must_use]
     pub const fn new(coefficients: usize, factors: Vec<JointFactor>) -> Self {
         Self { coefficients, factors }
     }
 
     /// The joints' factors.
-    #[must_use]
     pub fn factors(&self) -> &[JointFactor] {
         &self.factors
     }
@@ -55,7 +53,6 @@ impl System {
     }
 
     /// Number of coefficients.
-    #[must_use]
     pub const fn coefficients(&self) -> usize {
         self.coefficients
     }
@@ -72,7 +69,6 @@ impl System {
     }
 
     /// ‖y_j − W_j ζ‖² for each joint.
-    #[must_use]
     pub fn residual_sum(&self, coefficients: &[f64]) -> Vec<f64> {
         self.factors
             .iter()

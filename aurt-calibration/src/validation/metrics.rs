@@ -35,25 +35,21 @@ impl JointMetrics {
     }
 
     /// Number of samples taken in.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
 
     /// Mean squared error.
-    #[must_use]
     pub fn mse(&self) -> f64 {
         self.squared_error / self.samples as f64
     }
 
     /// Mean squared error over mean absolute measurement.
-    #[must_use]
     pub fn nmse(&self) -> f64 {
         self.squared_error / self.absolute_measurement
     }
 
     /// √(Σ e² / Σ y²).
-    #[must_use]
     pub fn nrmse(&self) -> f64 {
         (self.squared_error / self.squared_measurement).sqrt()
     }

@@ -22,7 +22,6 @@ pub(super) enum Variant {
 
 /// The models of a robot that have shape parameters, each named once: those that
 /// [`calibrate_shapes`](crate::calibrate_shapes) would search.
-#[must_use]
 pub fn shapes_of(model: &RobotModel) -> Vec<String> {
     let mut names: Vec<String> = Owner::all(model).into_iter().flat_map(|owner| owner.models).collect();
     names.sort();

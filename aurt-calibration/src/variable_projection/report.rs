@@ -72,7 +72,6 @@ impl FittedShape {
     }
 
     /// The joint or arm term, the model and the parameter in words: `joint 2, lugre: presliding_rad`.
-    #[must_use]
     pub fn label(&self) -> String {
         let owner = match self.group {
             ColumnGroup::RigidBody => "rigid bodies".to_owned(),

@@ -309,20 +309,33 @@ fn ur10e(calibration: &str, target: &str) -> String {
     std::fs::read_to_string(example).unwrap().lines().map(asked).collect::<Vec<_>>().join("\n")
 }
 
-fn example(name: &str) -> (Folder, Value) {
+/// The folder of a diagnosis of an example, and its output.
+fn example(name: &str) -> (Folder, String) {
     let experiment = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_{}.toml"), name);
     let folder = Folder::new();
-    folder.run(format!("diagnose {experiment} --out out --quiet"));
-    let verdict = folder.json("out/verdict.json");
-    (folder, verdict)
+    let said = folder.run(format!("diagnose {experiment} --out out")).stdout();
+    (folder, said)
 }
 
 #[test]
 fn a_load_on_a_ur10e_is_weighed() {
     let Some(_) = real_recordings("a_load_on_a_ur10e_is_weighed") else { return };
-    let (_, verdict) = example("ur10e_payload");
+    let (folder, said) = example("ur10e_payload");
+    let verdict = folder.json("out/verdict.json");
     let first = &verdict["effects"][0];
     assert_eq!((&first["effect"], &first["present_in"]), (&"payload".into(), &serde_json::json!(["target"])));
+    for page in ["README.md", "docs/tutorial-why.md"] {
+        let text =
+            std::fs::read_to_string(format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../{}"), page)).unwrap();
+        let quote =
+            text.split("```text\n").find(|block| block.starts_with("changed since calibration")).unwrap();
+        for line in quote.split("```").next().unwrap().lines().filter(|line| *line != "…") {
+            assert!(
+                said.lines().any(|own| own == line),
+                "{page} quotes `{line}`, which is not said:\n{said}"
+            );
+        }
+    }
     let mass = first["parameters"]["mass_kg"]["value"].as_f64().unwrap();
     assert!((mass / 2.805 - 1.0).abs() < 0.03, "{mass} kg of 2.805");
     let (before, after) =
@@ -335,7 +348,7 @@ fn a_load_on_a_ur10e_is_weighed() {
 #[test]
 fn the_wrist_of_a_tx40_is_coupled() {
     let Some(_) = real_recordings("the_wrist_of_a_tx40_is_coupled") else { return };
-    let (_, verdict) = example("tx40_coupling");
+    let verdict = example("tx40_coupling").0.json("out/verdict.json");
     let first = &verdict["effects"][0];
     assert_eq!(first["effect"], "joint_coupling_friction", "{verdict}");
     assert_eq!(first["joints"], serde_json::json!([4, 5]));

@@ -41,7 +41,8 @@ pub struct Contact {
     pub distinction: f64,
     /// Mean force in the base frame while it lasts, N (if the measurement is in Nm).
     pub force_n: [f64; 3],
-    /// Its deviation, N, by what noise and model errors explain elsewhere; none where the arm stands, since stiction hides some of a force.
+    /// Its deviation, N, by what noise and model errors explain elsewhere or by how the force changes while it lasts, the larger; none
+    /// where the arm stands, since stiction hides some of a force.
     pub force_std_n: Option<[f64; 3]>,
 }
 
@@ -70,7 +71,6 @@ pub struct ContactOptions {
 
 impl ContactOptions {
     /// The defaults for dynamics up to `f_dyn_hz`.
-    #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
         Self { score: 50.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
     }
@@ -90,15 +90,15 @@ pub struct ContactRows<'a> {
     pub left_out: &'a [Vec<bool>],
 }
 
-/// Contacts nearer than this to each other are one, s.
-const ALONE_S: f64 = 0.5;
+/// Contacts nearer than this to each other are one, s, and as far from its window a force still ebbs away: the constant force that explains
+/// most of half a sine (tan a = 1/(π − 2a)) leaves out 13 % at either end, which of pushes up to 4 s is less than this.
+pub(crate) const ALONE_S: f64 = 0.5;
 
 /// Finds contacts in recordings, the clearest first.
 ///
 /// The background is that of all recordings together, and so is the noise level of each joint, unless a recording has more: a
 /// contact does not last throughout a recording. The recordings should belong to one robot and one fit. Windows are exact to about
 /// a row (2 rows where the filters are slow).
-#[must_use]
 pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -> Vec<Contact> {
     let mut usable: Vec<Vec<Vec<bool>>> = recordings.iter().map(|r| usable_rows(r, options)).collect();
     let sigma = noise_levels(recordings, &usable);

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::ForceColumns;
+use crate::evidence::baseline::BLOCKS;
 use crate::evidence::problem::ROUNDING;
 
 /// Normal equations of a link's force, summed from the first row: A (upper triangle), g.
@@ -93,12 +94,24 @@ impl Prefix {
         solve(&self.between(span))
     }
 
-    /// The deviations of that force by white noise. A direction that hardly any joint feels is known as little as it is felt.
-    pub(super) fn force_deviation(&self, span: [usize; 2]) -> [f64; 3] {
+    /// The deviations of that force: by white noise, which model errors inflate, or where the force changes by that of its mean, A⁻¹ (Σ_p s_p
+    /// s_pᵀ) A⁻¹ P/(P − 1) with the scores s_p = g_p − A_p F of P pieces (K.-Y. Liang, S. L. Zeger, *Biometrika* 73, 1986), the larger. A
+    /// direction that hardly any joint feels is known as little as it is felt.
+    pub(super) fn force_deviation(&self, span: [usize; 2], inflation: f64) -> [f64; 3] {
         let sums = self.between(span);
         let least = ROUNDING * (sums[0] + sums[3] + sums[5]);
-        let inverse = normal(&sums, least).cholesky().map(|factor| factor.inverse());
-        inverse.map_or([f64::INFINITY; 3], |inverse| [0, 1, 2].map(|i| inverse[(i, i)].sqrt()))
+        let Some(factor) = normal(&sums, least).cholesky() else { return [f64::INFINITY; 3] };
+        let (inverse, force) = (factor.inverse(), Vector3::from(self.force(span)));
+        let [start, end] = span;
+        let pieces = (end - start).min(BLOCKS);
+        let cut = |p: usize| start + (end - start) * p / pieces;
+        let score = |p: usize| {
+            let own = self.between([cut(p), cut(p + 1)]);
+            inverse * (Vector3::new(own[6], own[7], own[8]) - normal(&own, 0.0) * force)
+        };
+        let changes: Matrix3<f64> = (0..pieces).map(score).map(|s| s * s.transpose()).sum();
+        let share = pieces as f64 / (pieces as f64 - 1.0).max(1.0);
+        [0, 1, 2].map(|i| (inflation * inverse[(i, i)]).max(share * changes[(i, i)]).sqrt())
     }
 
     /// By how much the force lowers each joint's whitened sum of squares over a stretch.

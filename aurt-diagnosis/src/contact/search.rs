@@ -132,7 +132,7 @@ impl<'a> LinkSearch<'a> {
             score: 0.5 * explained / inflation,
             distinction: explained / self.rival(r, span, length_s).max(CHANCE * inflation),
             force_n: prefix.force(span),
-            force_std_n: Some(prefix.force_deviation(span).map(|std| std * inflation.sqrt())),
+            force_std_n: Some(prefix.force_deviation(span, inflation)),
         };
         Some(Candidate { contact, explained })
     }

@@ -48,7 +48,6 @@ const MEMORY_S: f64 = 0.5;
 const SCORE: f64 = 50.0;
 
 /// Finds contacts while the arm stands, in the order of time.
-#[must_use]
 pub fn find_standing_contacts(view: &StandingRows<'_>) -> Vec<Contact> {
     let count = view.rows.rows();
     let bound: Vec<f64> =

@@ -221,6 +221,28 @@ proptest! {
     }
 }
 
+/// The deviation of a force that rises and falls contains its mean over the window; that by noise alone would not.
+#[test]
+fn a_force_that_changes_is_as_uncertain_as_it_changes() {
+    let off = |pulse: fn(f64) -> f64| -> [f64; 2] {
+        let mut recordings: Vec<_> = (0..3).map(|r| (rows(r), background(&rows(r), r + 9, 0.05))).collect();
+        let (rows, residual) = &mut recordings[1];
+        for k in 0..rows.rows() {
+            let size = pulse((rows.time_s[k] - 108.0) / 3.0);
+            for (series, torque) in residual.iter_mut().zip(held(position(rows, k), 2, [12.0, 0.0, 9.0])) {
+                series[k] += size * torque;
+            }
+        }
+        let found = search(&recordings);
+        let ([from, to], std) = (found[0].window_s, found[0].force_std_n.unwrap()[0]);
+        let within = (0..100).map(|k| pulse((from + (to - from) * f64::from(k) / 100.0 - 8.0) / 3.0));
+        [std, (found[0].force_n[0] - 0.12 * within.sum::<f64>()).abs() / std]
+    };
+    let [steady, _] = off(|at| f64::from(u8::from((0.0..1.0).contains(&at))));
+    let [changing, deviations] = off(|at| (std::f64::consts::PI * at.clamp(0.0, 1.0)).sin());
+    assert!(changing > 2.0 * steady && deviations < 3.0, "{steady} {changing} {deviations}");
+}
+
 #[test]
 fn what_repeats_with_the_motion_is_no_contact() {
     let mut recordings: Vec<_> = (0..3).map(|r| (rows(5), background(&rows(5), r, 0.3))).collect();

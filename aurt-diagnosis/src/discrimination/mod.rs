@@ -68,7 +68,6 @@ pub struct Discrimination<'a> {
 
 impl<'a> Discrimination<'a> {
     /// The doubts that an investigation leaves, and intervals that are `wanted` narrower.
-    #[must_use]
     pub fn new(
         question: &'a Question<'a>,
         investigation: &'a Investigation,

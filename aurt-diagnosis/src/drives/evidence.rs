@@ -132,7 +132,6 @@ impl Missed {
     }
 
     /// Root mean square over all joints, rad.
-    #[must_use]
     pub fn rms_all_rad(&self) -> f64 {
         (self.rms_rad.iter().map(|r| r * r).sum::<f64>() / self.rms_rad.len().max(1) as f64).sqrt()
     }
@@ -154,7 +153,6 @@ impl Comparison {
 }
 
 /// `better` against `worse`, which may turn out to be the better one.
-#[must_use]
 pub fn compare(better: &Missed, worse: &Missed, options: &Options) -> Comparison {
     let pairs = || better.blocks.iter().zip(&worse.blocks).map(|(b, w)| b.iter().zip(w));
     let all_blocks = pairs().map(Iterator::count).sum::<usize>();

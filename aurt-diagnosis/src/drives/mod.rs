@@ -429,7 +429,6 @@ impl Search<'_> {
 }
 
 /// Whether a number is two deviations from the value at which it does nothing, or from what is given.
-#[must_use]
 pub fn is_beyond(structure: &Structure, number: &EstimatedNumber, is_given: bool) -> bool {
     let from = if is_given { Some(number.start) } else { structure.neutral() };
     let far = |from: f64| (number.value - from).abs() > (2.0 * number.deviation).max(1e-6);

@@ -163,7 +163,6 @@ pub const STRUCTURES: [Structure; 17] = [
 ];
 
 /// What directions of numbers that recordings leave open need: each number's structure says what to record.
-#[must_use]
 pub fn deciders(names: &[String]) -> Vec<&'static str> {
     let mut found: Vec<&str> = Vec::new();
     for name in names {
@@ -189,7 +188,6 @@ impl Structure {
     }
 
     /// Whether an arm can have it.
-    #[must_use]
     pub fn fits(&self, arm: &DrivenArm) -> bool {
         let needs_masses = matches!(self.absent, Absent::Least | Absent::One);
         let has_masses = arm.standard_parameters.iter().any(|p| *p != 0.0);
@@ -197,7 +195,6 @@ impl Structure {
     }
 
     /// Whether an arm has it.
-    #[must_use]
     pub fn is_in(&self, arm: &DrivenArm) -> bool {
         let numbers = arm.numbers();
         self.places(arm, self.keys)
@@ -285,13 +282,11 @@ impl Structure {
     }
 
     /// Whether a name is that of one of its numbers.
-    #[must_use]
     pub fn has(&self, name: &str) -> bool {
         self.keys.contains(&stem(name))
     }
 
     /// The value at which a number of it does nothing; none of the floor, which is there or not.
-    #[must_use]
     pub fn neutral(&self) -> Option<f64> {
         self.nothing([0.0; 2])
     }

@@ -39,7 +39,6 @@ pub static ALL: [&Effect; 26] = [
 ];
 
 /// The effect of an identifier.
-#[must_use]
 pub fn find(id: &str) -> Option<&'static Effect> {
     ALL.into_iter().find(|e| e.id == id)
 }
@@ -91,6 +90,17 @@ mod tests {
             let below_its_resonance = effect == &joint_elasticity::EFFECT;
             assert_eq!(proposes, effect.means == Means::Columns || below_its_resonance, "{}", effect.id);
         }
+    }
+
+    #[test]
+    fn losses_are_not_negative() {
+        let losses = |driven: f64| {
+            let number = |value: f64| crate::parameters::ParameterValue::new(value, 0.02);
+            let parameters =
+                [("driving".to_owned(), number(0.11)), ("driven".to_owned(), number(driven))].into();
+            drive_efficiency::EFFECT.impossible(&parameters, 1.0)
+        };
+        assert!(losses(-0.03).is_none() && losses(-0.11).unwrap().contains("driven"));
     }
 
     #[test]

@@ -90,14 +90,12 @@ fn fit_rows(question: &Question<'_>, rows: &[RecordingRows]) -> Result<Vec<f64>,
 }
 
 /// The partition of recordings into blocks.
-#[must_use]
 pub fn partition(question: &Question<'_>, rows: &[RecordingRows]) -> Partition {
     let validated = question.recordings.iter().any(|r| r.role == Role::Validation);
     Partition::new(rows, BLOCKS, GAP_PERIODS / question.f_dyn_hz, validated)
 }
 
 /// All coefficients of a model, in all recordings.
-#[must_use]
 pub fn own_switches(model: &RobotModel) -> Vec<Switch> {
     (0..model.parameters().len())
         .map(|column| Switch { column, target_only: false, nonnegative: false })
@@ -105,7 +103,6 @@ pub fn own_switches(model: &RobotModel) -> Vec<Switch> {
 }
 
 /// OLS for the joints' variances, then least squares weighted by them; the weights are returned, too.
-#[must_use]
 pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (TotalFit, Vec<f64>) {
     let (_, squared_errors) = problem.least_squares(switches, &vec![1.0; problem.joints()]);
     let weights = problem.weights(&squared_errors, floor);

@@ -5,6 +5,7 @@
 //! of them, and e what that leaves. The statistic sᵀ I⁻¹ s with s = CᵀW e and I = CᵀWC − CᵀWX (XᵀWX)⁻¹ XᵀWC is χ² of as many degrees of
 //! freedom as there are columns, times the memory of e, where no recording differs from the others.
 
+use aurt_traits::{ColumnGroup, JointStack, RobotModel};
 use nalgebra::DMatrix;
 
 use crate::evidence::deviations::memory;
@@ -15,11 +16,11 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::rows::{Layout, RecordingRows, Role};
 
 /// Share by which friction differs between recordings of a robot that nobody has touched (standard deviation): that of five of a
-/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`), …
+/// UR10e at 1 rad/s, root mean square over its joints (`examples/ur10e-friction-levels.py`).
 pub(crate) const BETWEEN_RECORDINGS: f64 = 0.06;
 
-/// … and at 0.3 rad/s, where most of it is dry.
-pub(crate) const DRY_BETWEEN_RECORDINGS: f64 = 0.022;
+/// The share by which dry friction differs, over that by which the rest does: of the same recordings, that at 0.3 rad/s over that at 1 rad/s.
+pub(crate) const DRY: f64 = 0.022 / BETWEEN_RECORDINGS;
 
 /// Calibration recordings beside the model that is fitted to them.
 pub(crate) struct Between<'a> {
@@ -90,10 +91,10 @@ impl<'a> Between<'a> {
         (square > 0.0).then(|| Inflation { factor: square.sqrt(), freedom: square * square / spread })
     }
 
-    /// The share by which friction differs between the recordings, from changes of its level, with the friction of each that the model has;
-    /// `None` where noise hides it.
+    /// The share by which friction differs between the recordings, from changes of its level, with what each coefficient differs by where
+    /// the share is one; `None` where noise hides it.
     ///
-    /// If the coefficients f_k of a joint differ by a share of variance s², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
+    /// If the coefficients of a joint differ by variances s² f_k², its statistic has the mean 1 + s² U with U = Σ_k f_k² I_kk, where
     /// I is the information of a recording whose mean with the others is not taken off. All joints tell of one s, each by its degrees of
     /// freedom times (s² U/(1 + s² U))², which is taken at the usual share.
     pub(crate) fn friction_share<'g>(
@@ -186,6 +187,44 @@ pub(crate) struct Share {
     pub(crate) recordings: f64,
 }
 
+impl Share {
+    /// The share of a robot of which one calibration recording does not tell; F of so many degrees of freedom is χ² to 10⁻⁶ of itself.
+    pub(crate) const USUAL: Self = Self { std: BETWEEN_RECORDINGS, freedom: 1e6, recordings: 1.0 };
+
+    /// Changes of a model's friction, joint by joint, and the deviations of their coefficients on an unchanged robot.
+    pub(crate) fn changes(&self, model: &RobotModel, own: &[f64]) -> Vec<Vec<(Switch, f64)>> {
+        let std = (1.0 + self.recordings.recip()).sqrt() * self.std;
+        let of_stack = |(j, stack): (usize, &JointStack)| {
+            let dry = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
+            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
+            let change = |(k, column): (usize, usize)| {
+                let deviation = own[column].abs() * std * if k < dry { DRY } else { 1.0 };
+                (Switch { column, target_only: true, nonnegative: false }, deviation)
+            };
+            columns.map(change).filter(|(_, deviation)| *deviation > 0.0).collect()
+        };
+        model.stacks().iter().enumerate().map(of_stack).collect()
+    }
+}
+
+/// Squared error that coefficients of given deviations d take of a residual r: with their columns C and the variance v of r they are b = (CᵀC +
+/// v D⁻²)⁻¹ Cᵀr, all as much smaller as none exceeds [`MOST`] deviations, and take 2bᵀCᵀr − bᵀCᵀCb.
+pub(crate) fn taken(gram: &[f64], right: &[f64], variance: f64, deviations: &[f64]) -> f64 {
+    let n = deviations.len();
+    let mut penalised = gram.to_vec();
+    for (k, deviation) in deviations.iter().enumerate() {
+        penalised[k * (n + 1)] += variance / deviation.powi(2);
+    }
+    let b = Cholesky::new(&penalised, n).solve(right);
+    let most = b.iter().zip(deviations).map(|(b, d)| (b / (MOST * d)).abs()).fold(1.0, f64::max);
+    let b: Vec<f64> = b.iter().map(|b| b / most).collect();
+    let squares = gram.chunks_exact(n.max(1)).zip(&b).map(|(column, b_k)| b_k * dot(column, &b));
+    2.0 * dot(&b, right) - squares.sum::<f64>()
+}
+
+/// Deviations within which 95 of 100 numbers lie.
+const MOST: f64 = 2.0;
+
 /// The factor by which recordings of a machine that nobody has touched differ more than noise explains.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inflation {
@@ -249,6 +288,13 @@ mod tests {
         assert!(inflation(&[5.0, 5.0]).is_none_or(|factor| factor < 1e-6));
         assert!((inflation(&[5.0, 6.0]).unwrap() - 200.0_f64.sqrt()).abs() < 1e-9);
         assert!(inflation(&[5.0]).is_none());
+    }
+
+    /// One column of a hundred ones and a residual of a level; a level that is far from usual leaves more than all that is usual.
+    #[test]
+    fn no_more_is_taken_than_is_usual() {
+        let left = |level: f64| 100.0 * level * level - taken(&[100.0], &[100.0 * level], 1e-6, &[0.1]);
+        assert!(left(0.15) < 1e-6 && (left(0.5) - 100.0 * 0.3_f64.powi(2)).abs() < 1e-6);
     }
 
     /// Levels of the mean 5 whose variance among recordings is known; a friction that noise hides tells nothing.

@@ -40,7 +40,6 @@ impl Chance {
 
     /// The score that chance reaches on some joints in the course of a search over all joints with a probability; 0 where
     /// chance was not tried.
-    #[must_use]
     pub fn score(&self, joints: &[usize], probability: f64) -> f64 {
         self.gumbel(joints).map_or(0.0, |[location, scale]| {
             let none = libm::log1p(-probability) / self.searches(joints);
@@ -50,7 +49,6 @@ impl Chance {
 
     /// The probability that chance reaches a score on some joints in the course of a search over all joints; none where
     /// chance was not tried.
-    #[must_use]
     pub fn probability(&self, joints: &[usize], score: f64) -> Option<f64> {
         let [location, scale] = self.gumbel(joints)?;
         let tail = if scale > 0.0 {

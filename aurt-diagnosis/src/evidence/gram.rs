@@ -61,7 +61,6 @@ pub struct BlockMoments {
 
 impl BlockMoments {
     /// Accumulates the moments of `recordings` over the blocks of `partition`.
-    #[must_use]
     pub fn accumulate(recordings: &[RecordingRows], partition: &Partition) -> Self {
         let joints = recordings.first().map_or(0, |r| r.joints.len());
         let columns = |j: usize| {
@@ -98,7 +97,6 @@ impl BlockMoments {
     }
 
     /// Moments of everything but one block.
-    #[must_use]
     pub fn without(&self, block: usize) -> [Vec<Moments>; 2] {
         let mut rest = self.total.clone();
         for (sum, moments) in rest.iter_mut().flatten().zip(self.parts[block].iter().flatten()) {

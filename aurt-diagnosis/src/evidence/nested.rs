@@ -51,7 +51,6 @@ pub(super) struct Test {
 
 impl Problem {
     /// Fits `switches` to every training part.
-    #[must_use]
     pub fn nest(&self, switches: &[Switch], weights: &[f64]) -> NestedFit {
         let (switches, free) = free_first(switches);
         let places = self.places(&switches);
@@ -61,7 +60,6 @@ impl Problem {
     }
 
     /// Cross-validated squared error of each joint, `[kind][joint]`, of the nested model extended by `group`.
-    #[must_use]
     pub fn held_out(&self, fit: &NestedFit, group: &[Switch]) -> [Vec<f64>; 2] {
         let all: Vec<Switch> = fit.switches.iter().chain(group).copied().collect();
         let mut sums = [vec![0.0; self.joints()], vec![0.0; self.joints()]];
@@ -77,7 +75,6 @@ impl Problem {
     }
 
     /// The same over recordings of both kinds.
-    #[must_use]
     pub fn held_out_in_all(&self, fit: &NestedFit, group: &[Switch]) -> Vec<f64> {
         let mut sums = vec![0.0; self.joints()];
         for block in self.held_out_by_block(fit, group) {
@@ -87,7 +84,6 @@ impl Problem {
     }
 
     /// The same block by block, `[block][joint]`.
-    #[must_use]
     pub(crate) fn held_out_by_block(&self, fit: &NestedFit, group: &[Switch]) -> Vec<Vec<f64>> {
         let own = self.places(group);
         let of_block = |(b, fold): (usize, &Fold)| {
@@ -100,7 +96,6 @@ impl Problem {
 
     /// Σ_j weight_j Σ d² on each test part, with d the difference of the predictions of the nested model extended by one group and by
     /// another.
-    #[must_use]
     pub(crate) fn apart_by_block(
         &self,
         fit: &NestedFit,
@@ -125,7 +120,6 @@ impl Problem {
     }
 
     /// The squared errors of each joint over the rows to which the nested model extended by `group` is fitted.
-    #[must_use]
     pub fn in_sample(&self, fit: &NestedFit, group: &[Switch]) -> Vec<f64> {
         let all = (self.total(), self.total());
         let whole = fit

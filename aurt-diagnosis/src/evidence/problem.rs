@@ -68,7 +68,6 @@ pub(crate) const ROUNDING: f64 = 1e-10;
 
 impl Problem {
     /// A problem over the columns of a layout.
-    #[must_use]
     pub fn new(layout: &Layout, moments: BlockMoments) -> Self {
         let joints = layout.rows.len();
         let local = (0..joints)
@@ -85,32 +84,27 @@ impl Problem {
     }
 
     /// Number of blocks.
-    #[must_use]
     pub fn blocks(&self) -> usize {
         self.training.len()
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints
     }
 
     /// Rows of each joint over all blocks; `target` counts target recordings only.
-    #[must_use]
     pub fn rows(&self, joint: usize, target: bool) -> f64 {
         let [calibration, other] = &self.moments.total;
         other[joint].rows + if target { 0.0 } else { calibration[joint].rows }
     }
 
     /// Whether there are target recordings.
-    #[must_use]
     pub fn has_target(&self) -> bool {
         self.moments.total[1].iter().any(|m| m.rows > 0.0)
     }
 
     /// Whether there are recordings beside the targets.
-    #[must_use]
     pub fn has_reference(&self) -> bool {
         self.moments.total[0].iter().any(|m| m.rows > 0.0)
     }
@@ -432,7 +426,6 @@ impl Problem {
 
     /// The share of each group column's torque, whitened by `weights`, that `switches` cannot absorb: 0 where
     /// it is absorbed exactly.
-    #[must_use]
     pub fn free_share(&self, switches: &[Switch], group: &[Switch], weights: &[f64]) -> Vec<f64> {
         let (n, total) = (switches.len(), &self.moments.total);
         let cholesky = Cholesky::new(&self.cross(total, switches, switches, weights), n);

@@ -7,7 +7,6 @@ use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows, Role, independent_share};
 
 /// Residuals of a fit over one part of a recording, joint by joint.
-#[must_use]
 pub fn residuals(
     recording: &RecordingRows,
     layout: &Layout,

@@ -18,7 +18,6 @@ pub struct TotalFit {
 
 impl Problem {
     /// Least squares over all blocks: coefficients and their covariance (unit weights mean unit variance).
-    #[must_use]
     pub fn fit(&self, switches: &[Switch], weights: &[f64]) -> TotalFit {
         let n = switches.len();
         let (coefficients, squared_errors) = self.least_squares(switches, weights);
@@ -49,7 +48,6 @@ impl Problem {
     }
 
     /// Coefficients of the least squares over all blocks, and their squared errors, `[kind][joint]`.
-    #[must_use]
     pub fn least_squares(&self, switches: &[Switch], weights: &[f64]) -> (Vec<f64>, [Vec<f64>; 2]) {
         let total = &self.moments.total;
         let (ordered, free) = free_first(switches);

@@ -64,14 +64,12 @@ impl RecordingFaults {
     ///
     /// On a recording whose clock only jitters, whose values are quantised and whose joints rest for a while,
     /// nothing is found.
-    #[must_use]
     pub fn find(name: &str, recording: &Recording) -> Self {
         Self::find_asked(name, recording, |_| true)
     }
 
     /// The same with those detectors alone whose effect is asked for: the others do not run, repair nothing and mask
     /// nothing.
-    #[must_use]
     pub fn find_asked(name: &str, recording: &Recording, asked: impl Fn(&Effect) -> bool) -> Self {
         let found = if asked(&dropped_samples::EFFECT) {
             rows::find(name, recording)
@@ -90,7 +88,6 @@ impl RecordingFaults {
 
     /// The recording without the samples whose values are not those of their stamp; `None` if there are none. It
     /// is to be preprocessed in the place of the original: positions are then interpolated between true samples.
-    #[must_use]
     pub fn repaired(&self, recording: &Recording) -> Option<Recording> {
         without(recording, &self.spoilt)
     }
@@ -99,7 +96,6 @@ impl RecordingFaults {
     /// the reach of the parallel filter (`cutoff_hz`, that of
     /// [`parallel_filter`](aurt_recording::Segment::parallel_filter)) of a clipped measurement or of a gap too long
     /// to be bridged. `recording` is the original one, `rows` those of the repaired one.
-    #[must_use]
     pub fn faulty_rows(&self, recording: &Recording, rows: &RecordingRows, cutoff_hz: f64) -> Vec<Vec<bool>> {
         let reach_s = REACH_PERIODS / cutoff_hz;
         let bridged_s = BRIDGED_PERIODS / cutoff_hz;
@@ -120,7 +116,6 @@ impl RecordingFaults {
 
 /// A recording without rows that are held or corrupt; `None` if there are none. Samples with the same stamp are left to
 /// preprocessing, which merges them.
-#[must_use]
 pub fn without_unusable_rows(recording: &Recording) -> Option<Recording> {
     without(recording, &rows::unusable(recording))
 }

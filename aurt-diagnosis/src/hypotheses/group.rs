@@ -57,7 +57,6 @@ impl Group {
     }
 
     /// Whether the effect is taken to act in the target recordings only.
-    #[must_use]
     pub fn target_only(&self) -> bool {
         self.switches.first().is_some_and(|s| s.target_only)
     }

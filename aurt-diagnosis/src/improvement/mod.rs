@@ -35,7 +35,6 @@ pub struct Improvement {
 }
 
 /// What the chosen effects add to an experiment.
-#[must_use]
 pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Improvement {
     let joints = question.model.joints();
     let all = investigation.switches();

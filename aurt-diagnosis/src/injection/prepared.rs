@@ -102,7 +102,6 @@ impl<'a> Prepared<'a> {
     }
 
     /// What is said of the recordings as they are.
-    #[must_use]
     pub const fn verdict(&self) -> &Verdict {
         &self.verdict
     }
@@ -140,7 +139,6 @@ impl<'a> Prepared<'a> {
     }
 
     /// Nothing that is added to any recording.
-    #[must_use]
     pub fn nothing(&self) -> AddedRows {
         let confirm = self.reference.confirm.to_judge();
         let rows = |r: usize| self.reference.rows[r].rows() + confirm[r].rows();

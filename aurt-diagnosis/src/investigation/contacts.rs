@@ -1,7 +1,8 @@
 //! Contacts, while the arm moves and while it stands.
 
 use crate::contact::{
-    Contact, ContactOptions, ContactRows, StandingRows, find_contacts, find_standing_contacts, force_columns,
+    ALONE_S, Contact, ContactOptions, ContactRows, StandingRows, find_contacts, find_standing_contacts,
+    force_columns,
 };
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load};
@@ -48,7 +49,8 @@ impl Parts<'_> {
     fn leave_out(&self, rows: &mut FitRows, contacts: &[Contact]) {
         for contact in contacts {
             let origin_s = self.question.recordings[contact.recording].origin_s();
-            rows[contact.recording].leave_out(contact.window_s.map(|t| t + origin_s));
+            let [from, to] = contact.window_s.map(|t| t + origin_s);
+            rows[contact.recording].leave_out([from - ALONE_S, to + ALONE_S]);
         }
     }
 

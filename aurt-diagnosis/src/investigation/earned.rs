@@ -4,12 +4,10 @@
 //! within chance of nothing, in the rows that it was selected on or in those that nothing was fitted to. What fails one
 //! of these tests is an indication: it leaves the model, and is listed apart with what it fails.
 
-use aurt_traits::{ColumnGroup, JointStack};
-
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::{BETWEEN_RECORDINGS, DRY_BETWEEN_RECORDINGS, Inflation, Share};
+use crate::evidence::between::{DRY, Share};
 use crate::evidence::deviations::beyond_chance;
 use crate::evidence::gram::dot;
 use crate::evidence::linear::Cholesky;
@@ -133,9 +131,6 @@ struct Size {
     freedoms: f64,
     size: f64,
 }
-
-/// Degrees of freedom of a variance that is known: F then differs from χ² by 10⁻⁶ of itself.
-const KNOWN: f64 = 1e6;
 
 impl<'a> Trial<'a> {
     fn new(question: &Question<'_>, investigation: &'a Investigation, reach_m: f64) -> Self {
@@ -292,9 +287,11 @@ impl<'a> Trial<'a> {
     /// Says that a change is within what recordings of an unchanged robot differ by. Each joint could have shown one: the level is that of a
     /// search over all.
     ///
-    /// Where calibration recordings tell by how much they differ among themselves, (gᵀβ)² over its variance and the number of
-    /// coefficients is F. Friction differs by a share of itself, which joints have in common and a single recording does not tell: then it is
-    /// [`BETWEEN_RECORDINGS`]. A share makes the change I⁻¹CᵀWF with I = CᵀWC, the columns C of the change and those of friction F.
+    /// With the variance that noise gives gᵀβ, and what recordings add to it, (gᵀβ)² over both and the number of coefficients is F, of
+    /// Satterthwaite's degrees of freedom (*Biometrics Bulletin* 2, 1946). Calibration recordings tell what they add to it where there are
+    /// some. Friction differs by a share of itself as well, which joints have in common and a single recording does not tell: then it is
+    /// [`BETWEEN_RECORDINGS`]. A share makes the change I⁻¹CᵀWF with I = CᵀWC, the columns C of the change and those of friction F. The
+    /// larger of both counts.
     fn usual(&self, i: usize) -> Option<String> {
         let (group, whole) = (self.groups[i], &self.whole);
         if !group.target_only() || !self.investigation.problem.has_reference() {
@@ -303,62 +300,47 @@ impl<'a> Trial<'a> {
         let size = self.size(i);
         let searches = self.least.len() as f64 / group.joints.len() as f64;
         let level = -libm::expm1(libm::log1p(-self.level) / searches);
-        if !group.effect.is_friction {
-            let Inflation { factor, freedom } = whole.inflation(group).filter(|by| by.factor > 1.0)?;
-            let sure = beyond_chance(size.freedoms, freedom, level);
-            let from_zero = size.size / self.deviation(&size.direction, factor);
-            return (from_zero < sure).then(|| {
-                format!(
-                    "it is {from_zero:.1} σ from zero beside what calibration recordings differ by among themselves, {factor:.1} times \
-                     noise; {sure:.1} σ are required"
-                )
-            });
-        }
-        let known = Share { std: BETWEEN_RECORDINGS, freedom: KNOWN, recordings: 1.0 };
-        let Share { std, freedom, recordings } = whole.between.unwrap_or(known);
-        let shares = [if whole.between.is_some() { std } else { DRY_BETWEEN_RECORDINGS }, std];
-        let usual = (1.0 + recordings.recip()).sqrt() * self.by_friction(&size, shares);
-        let all = self.deviation(&size.direction, 1.0).hypot(usual);
-        // W. Satterthwaite, *Biometrics Bulletin* 2, 1946.
-        let freedom = (freedom * (all / usual).powi(4)).min(KNOWN);
-        let [sure, from_zero] = [beyond_chance(size.freedoms, freedom, level), size.size / all];
-        let [dry, other] = shares.map(|share| 100.0 * share);
-        let differs = match whole.between {
-            Some(_) => format!("by {other:.1} %, as it does among calibration recordings"),
-            None => format!(
-                "by {other:.0} %, and dry friction by {dry:.0} %, as that of other robots does: one calibration recording does not tell"
-            ),
-        };
-        (from_zero < sure).then(|| {
-            format!(
-                "it is {from_zero:.1} σ from zero where friction differs from one recording to the next {differs}; {sure:.1} σ are required"
-            )
-        })
+        let noise = self.deviation(&size.direction, 1.0);
+        let among = whole.inflation(group).map(|by| {
+            let added = self.deviation(&size.direction, by.factor).powi(2) - noise * noise;
+            (added, by.freedom, "calibration recordings differ by among themselves".to_owned())
+        });
+        let by_share = group.effect.is_friction.then(|| self.by_share(&size));
+        let larger = among.into_iter().chain(by_share).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (added, freedom, what) = larger.filter(|(added, ..)| *added > 0.0)?;
+        let square = noise * noise + added;
+        let freedom = (freedom * (square / added).powi(2)).min(Share::USUAL.freedom);
+        let [sure, from_zero] = [beyond_chance(size.freedoms, freedom, level), size.size / square.sqrt()];
+        (from_zero < sure)
+            .then(|| format!("it is {from_zero:.1} σ from zero beside what {what}; {sure:.1} σ are required"))
     }
 
-    /// Standard deviation of the size of a change where each coefficient of dry friction differs by a share of itself, and each other one by
-    /// another.
-    fn by_friction(&self, Size { named, weights, .. }: &Size, [dry, other]: [f64; 2]) -> f64 {
+    /// The variance that friction which differs by a share of itself gives a change, its degrees of freedom, and words for it.
+    fn by_share(&self, size: &Size) -> (f64, f64, String) {
+        let share = self.whole.between.unwrap_or(Share::USUAL);
+        let by = match self.whole.between {
+            Some(_) => "among calibration recordings",
+            None => "that of other robots: one calibration recording does not tell",
+        };
+        let [dry, other] = [DRY, 1.0].map(|of| 100.0 * of * share.std);
+        let what = format!(
+            "friction differs by from one recording to the next ({dry:.1} % if dry and {other:.1} % if not, {by})"
+        );
+        (self.by_friction(size, share), share.freedom, what)
+    }
+
+    /// Variance of the size of a change where the coefficients of friction differ by a share of themselves.
+    fn by_friction(&self, Size { named, weights, .. }: &Size, share: Share) -> f64 {
         let Investigation { problem, model, baseline, base_switches, .. } = self.investigation;
         let own = self.whole.own(&baseline.coefficients, base_switches);
-        let of_stack = |(j, stack): (usize, &JointStack)| {
-            let count = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
-            let columns = model.group(ColumnGroup::JointDynamics(j)).enumerate();
-            columns.map(move |(k, column)| (column, if k < count { dry } else { other }))
-        };
-        let shares: Vec<(usize, f64)> = model.stacks().iter().enumerate().flat_map(of_stack).collect();
-        let of_targets =
-            |(column, _): &(usize, f64)| Switch { column: *column, target_only: true, nonnegative: false };
-        let friction: Vec<Switch> = shares.iter().map(of_targets).collect();
+        let (columns, deviations): (Vec<Switch>, Vec<f64>) =
+            share.changes(model, &own).into_iter().flatten().unzip();
         let (total, beside) = (problem.total(), &self.whole.weights);
         let gram = problem.cross(total, named, named, beside);
         let weights = Cholesky::new(&gram, named.len()).solve(weights);
-        let products = problem.cross(total, named, &friction, beside);
-        let changes = products.chunks_exact(named.len().max(1)).zip(&shares);
-        let change = |(product, (column, share)): (&[f64], &(usize, f64))| {
-            (share * own[*column] * dot(product, &weights)).powi(2)
-        };
-        changes.map(change).sum::<f64>().sqrt()
+        let products = problem.cross(total, named, &columns, beside);
+        let changes = products.chunks_exact(named.len().max(1)).zip(deviations);
+        changes.map(|(product, deviation)| (deviation * dot(product, &weights)).powi(2)).sum()
     }
 }
 

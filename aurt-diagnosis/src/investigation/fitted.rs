@@ -4,7 +4,7 @@ use aurt_traits::RobotModel;
 
 use crate::effects::friction_level_changed;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::between::{Between, Inflation, Share};
+use crate::evidence::between::{Between, DRY, Inflation, Share};
 use crate::evidence::deviations::{Resampled, beside_given, memory};
 use crate::evidence::gram::dot;
 use crate::evidence::linear::Cholesky;
@@ -35,7 +35,7 @@ pub(crate) struct Fitted {
     /// By how much calibration recordings differ among themselves in the coefficients of changes.
     inflations: Vec<(Vec<Switch>, Inflation)>,
     /// By how much friction differs among them, if they tell.
-    pub(super) between: Option<Share>,
+    pub(crate) between: Option<Share>,
 }
 
 impl Fitted {
@@ -55,7 +55,7 @@ impl Fitted {
         let levels = groups.iter().filter(|g| g.effect == &friction_level_changed::EFFECT && g.target_only());
         let friction = |group: &Group| {
             let of = OwnFriction::of(&investigation.model, group.joints[0], &own);
-            vec![of.coulomb_nm, of.viscous_nm_s]
+            vec![DRY * of.coulomb_nm, of.viscous_nm_s]
         };
         fitted.between = between.friction_share(levels.map(|g| (g, friction(g))));
         for (own, inflation) in &fitted.inflations {

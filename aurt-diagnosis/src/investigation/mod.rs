@@ -37,6 +37,7 @@ use crate::effects::external_contact;
 use crate::effects::time_delay::EFFECT as DELAY;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, GAP_PERIODS, extended_load, own_switches, partition};
+use crate::evidence::deviations::memory;
 use crate::evidence::judge::Judge;
 use crate::evidence::judged::{Judged, bound_floors, prepare};
 use crate::evidence::problem::Problem;
@@ -128,14 +129,29 @@ impl Investigation {
     pub(crate) fn confirm_chosen(&mut self, question: &Question<'_>) {
         let switches = self.switches();
         let Self {
-            selection, confirm, groups, layout, partition, problem, rows, floor, base_switches, ..
+            selection,
+            confirm,
+            groups,
+            layout,
+            partition,
+            problem,
+            rows,
+            floor,
+            base_switches,
+            mean_independent_share,
+            ..
         } = self;
         let judge = Judge { problem, groups, rows, partition, layout, floor, options: &question.selection };
         // Four independent samples of white noise behind the parallel filter.
         let shortest_s = 1.0 / question.f_dyn_hz;
+        let memory = memory(*mean_independent_share);
         for chosen in &mut selection.chosen {
-            chosen.p_confirm =
-                judge.p_confirm(confirm, (base_switches, &switches), &groups[chosen.group], shortest_s);
+            chosen.p_confirm = judge.p_confirm(
+                confirm,
+                (base_switches, &switches),
+                &groups[chosen.group],
+                (shortest_s, memory),
+            );
         }
     }
 
@@ -204,10 +220,10 @@ fn punctual(
     let first = examine(question, registry, None, progress)?;
     let found = if question.considers(&DELAY) { Delay::found(question, &first.investigation)? } else { None };
     let mut without = question.without.to_vec();
+    without.push(DELAY.id.to_owned());
     if found.is_none() && !first.investigation.is_late() {
         return Ok(Punctual { examination: first, recordings: question.recordings.to_vec(), without });
     }
-    without.push(DELAY.id.to_owned());
     if found.is_some()
         && let Some(examination) =
             elastic_instead(&Question { without: &without, ..*question }, registry, progress)?

@@ -9,6 +9,7 @@ use aurt_plugins::Registry;
 
 use crate::error::DiagnosisError;
 use crate::hypotheses::group::Group;
+use crate::investigation::delay_scan::is_delay;
 use crate::investigation::earned::Indicated;
 use crate::investigation::reshaped::reshape;
 use crate::investigation::{Investigation, earn};
@@ -113,7 +114,10 @@ fn search(
     barred: &[usize],
     progress: &mut impl FnMut(&str),
 ) -> Selection {
-    let open: Vec<usize> = (0..investigation.groups.len()).filter(|group| !barred.contains(group)).collect();
+    // The column of a delay says where to look; none is there after the look.
+    let is_open =
+        |group: &usize| !barred.contains(group) && !is_delay(investigation, &investigation.groups[*group]);
+    let open: Vec<usize> = (0..investigation.groups.len()).filter(is_open).collect();
     let groups: Vec<_> = open.iter().map(|group| investigation.groups[*group].clone()).collect();
     let passed = &investigation.selection.chosen;
     let start = passed.iter().filter_map(|c| open.iter().position(|group| *group == c.group)).collect();

@@ -51,7 +51,6 @@ fn kept(segment: &Segment, joint: usize, counts: &[bool]) -> Result<f64, Diagnos
 
 /// Lowers floors to the mean square of what a model leaves, which noise is part of, and says of which joints they
 /// were too high by far. Joints without rows keep theirs.
-#[must_use]
 pub fn bounded(
     recording: &str,
     floors: &mut [f64],

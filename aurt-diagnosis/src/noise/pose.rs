@@ -89,13 +89,11 @@ impl PoseColumns {
     }
 
     /// Every how many samples of the motion they are evaluated.
-    #[must_use]
     pub const fn step(&self) -> usize {
         self.step
     }
 
     /// The torque of a joint for the motion of one, at a sample of the motion.
-    #[must_use]
     pub fn at(&self, moved: usize, joint: usize, sample: usize) -> f64 {
         let series = &self.columns[moved][joint];
         series[(sample / self.step).min(series.len() - 1)]

@@ -133,20 +133,17 @@ pub(crate) fn stamps_in_use(recording: &Recording, data: &Preprocessed) -> Vec<f
 
 impl SegmentNoise {
     /// One-sided power spectrum of a joint's noise at full rate, Nm²/Hz (A²/Hz for a model of currents).
-    #[must_use]
     pub fn psd(&self, joint: usize, frequency_hz: f64) -> f64 {
         self.measurement_psd(joint, frequency_hz) + self.position_psd(joint, frequency_hz)
     }
 
     /// The measurement's part of [`Self::psd`].
-    #[must_use]
     pub fn measurement_psd(&self, joint: usize, frequency_hz: f64) -> f64 {
         let noise = &self.measurement[joint];
         noise.psd(frequency_hz) * self.measurement_grid.power_gain(frequency_hz, Interpolator::Linear)
     }
 
     /// The positions' part of [`Self::psd`].
-    #[must_use]
     pub fn position_psd(&self, joint: usize, frequency_hz: f64) -> f64 {
         let acceleration = acceleration_gain(frequency_hz, self.rate_hz);
         let velocity = velocity_gain(frequency_hz, self.rate_hz);
@@ -163,7 +160,6 @@ impl SegmentNoise {
     }
 
     /// One-sided power spectrum of the noise of a joint's filtered position, rad²/Hz.
-    #[must_use]
     pub fn filtered_position_psd(&self, joint: usize, frequency_hz: f64) -> f64 {
         let noise = &self.positions[joint];
         let gain = self.position_filter.gain(frequency_hz);
@@ -176,7 +172,6 @@ impl SegmentNoise {
     }
 
     /// Mean square of a joint's noise behind a filter.
-    #[must_use]
     pub fn power_behind(&self, joint: usize, filter: &ZeroPhase) -> f64 {
         integral(0.0, 0.5 * self.rate_hz, |f| self.psd(joint, f) * filter.gain(f).powi(2))
     }

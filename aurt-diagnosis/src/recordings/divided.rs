@@ -16,7 +16,6 @@ pub struct ConfirmRows(Vec<RecordingRows>);
 
 impl FitRows {
     /// Divides recordings. Confirming rows next to fitting ones, within the filters' memory, do not count.
-    #[must_use]
     pub fn divide(rows: Vec<RecordingRows>, partition: &Partition) -> (Self, ConfirmRows) {
         let (mut fit, mut confirm) = (Vec::new(), Vec::new());
         for (r, recording) in rows.into_iter().enumerate() {
@@ -50,7 +49,6 @@ impl DerefMut for FitRows {
 
 impl ConfirmRows {
     /// The rows, to judge what was found, or to be drawn.
-    #[must_use]
     pub fn to_judge(&self) -> &[RecordingRows] {
         &self.0
     }
@@ -83,7 +81,6 @@ impl JointRows {
 
 impl RecordingRows {
     /// Some of the rows.
-    #[must_use]
     pub fn part(&self, span: Range<usize>) -> Self {
         let rows = self.rows();
         let mut starts: Vec<usize> =

@@ -37,7 +37,6 @@ impl Partition {
     /// that the filters' memory does not tie them together.
     ///
     /// A recording too short for that has smaller gaps, down to a quarter, and then fewer pieces.
-    #[must_use]
     pub fn new(recordings: &[RecordingRows], blocks: usize, gap_s: f64, validated: bool) -> Self {
         let count = recordings.len();
         let mut partition = Self {

@@ -19,7 +19,6 @@ pub enum Role {
 
 impl Role {
     /// The role as experiments spell it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Calibration => "calibration",
@@ -77,7 +76,6 @@ impl Instrument {
 
 impl Layout {
     /// The layout of a model's rows followed by the instrument columns of each joint.
-    #[must_use]
     pub fn new(model: &RobotModel) -> Self {
         let first = model.parameters().len();
         let joints = model.joints();
@@ -92,7 +90,6 @@ impl Layout {
     }
 
     /// The coefficient of an instrument column.
-    #[must_use]
     pub const fn instrument(&self, joint: usize, which: Instrument) -> usize {
         Self::instrument_after(self.first_instrument, self.rows.len(), joint, which)
     }
@@ -255,7 +252,6 @@ impl RecordingRows {
     }
 
     /// Number of rows per joint.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.time_s.len()
     }
@@ -372,7 +368,6 @@ impl JointRows {
     }
 
     /// Number of rows in `start..end` that count.
-    #[must_use]
     pub fn counted(&self, start: usize, end: usize) -> f64 {
         self.counts[start..end].iter().filter(|c| **c).count() as f64
     }
@@ -390,14 +385,12 @@ impl JointRows {
     }
 
     /// Column `k` of the joint's row columns.
-    #[must_use]
     pub fn column(&self, k: usize) -> &[f64] {
         let rows = self.measurement.len();
         &self.data[k * rows..(k + 1) * rows]
     }
 
     /// y − Σ coefficient · column, `coefficients` in the order of the joint's row columns.
-    #[must_use]
     pub fn residual(&self, coefficients: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut residual = self.measurement.clone();
         for (k, coefficient) in coefficients.enumerate().filter(|(_, c)| *c != 0.0) {
@@ -418,7 +411,6 @@ pub(crate) fn mean_rate_hz(recordings: &[RecordingRows]) -> f64 {
 
 /// Share of independent values in a residual: 1 / (1 + 2 Σ ρ_k), ρ_k its autocorrelation up to where it first
 /// falls below 0.05 (at most `longest` lags).
-#[must_use]
 pub fn independent_share(residual: &[f64], longest: usize) -> f64 {
     let n = residual.len();
     if n < 4 {

@@ -255,7 +255,6 @@ impl Remainder {
 
 impl Judged {
     /// Trees fitted to some rows and judged on others; none where there are too few of either.
-    #[must_use]
     pub fn of(own: &Rows, other: &Rows) -> Option<Self> {
         let growth = Growth::default();
         if own.count() < 4 * growth.leaf_rows || other.count() == 0 {

@@ -102,7 +102,6 @@ fn name(value: &mut Value, rewrite: &dyn Fn(&Path) -> PathBuf) {
 
 /// The way from a folder to a file, both absolute and without links: `../monday.csv`. Where they have nothing but the root
 /// in common, the file's own path, which a move of either does not break.
-#[must_use]
 pub fn from_folder(folder: &Path, file: &Path) -> PathBuf {
     let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (folder.components().collect(), file.components().collect());

@@ -62,7 +62,6 @@ impl SelectionOptions {
     }
 
     /// The settings' names and values.
-    #[must_use]
     pub fn named(&self) -> BTreeMap<String, Value> {
         serde_json::to_value(self).ok().and_then(|all| serde_json::from_value(all).ok()).unwrap_or_default()
     }

@@ -30,7 +30,6 @@ impl Chosen {
     /// The probability that chance alone makes such a finding. It has to hold both in the rows that it was found in and in
     /// those that nothing was fitted to, so that the larger of the two probabilities decides (R. L. Berger, *Technometrics* 24,
     /// 1982): what fits some recordings only is nothing that the robot has.
-    #[must_use]
     pub fn by_chance(&self) -> Option<f64> {
         match (self.p_null, self.p_confirm) {
             (Some(search), Some(confirmed)) => Some(search.max(confirmed)),
@@ -95,7 +94,6 @@ impl Selector<'_> {
     }
 
     /// Selects groups: forward until nothing helps, then replacement and removal, and forward again.
-    #[must_use]
     pub fn run(&mut self, progress: impl FnMut(&str)) -> Selection {
         self.run_from(Vec::new(), progress)
     }
@@ -123,7 +121,6 @@ impl Selector<'_> {
     }
 
     /// All coefficients of the model that was selected.
-    #[must_use]
     pub fn final_switches(&self, selection: &Selection) -> Vec<Switch> {
         self.scoring().switches(&selection.chosen.iter().map(|c| c.group).collect::<Vec<_>>())
     }

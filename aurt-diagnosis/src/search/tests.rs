@@ -267,8 +267,27 @@ fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
     let (_, confirm) = FitRows::divide(rows.rows.clone(), &rows.partition);
     let judge = rows.judge(&groups, &options);
     let [there, not] =
-        [0, 1].map(|k| judge.p_confirm(&confirm, (&all[..1], &all), &groups[k], 0.05).unwrap());
+        [0, 1].map(|k| judge.p_confirm(&confirm, (&all[..1], &all), &groups[k], (0.05, 1.0)).unwrap());
     assert!(there < 0.01 && not > 0.05, "{there} {not}");
+}
+
+/// A memory of 0 asks whether rows favour the effect, one without end whether errors follow it.
+#[test]
+fn rows_that_hold_little_of_an_effect_confirm_it_by_what_errors_follow() {
+    let confirmed = |strength: f64, memory: f64| {
+        let seeds = (200..240).filter(|seed| {
+            let rows = Rows::new(vec![recording(Role::Calibration, *seed, &[1.0, strength])]);
+            let (options, groups) = (SelectionOptions::default(), [group("spring", 1, false)]);
+            let all = [switch(0, false), switch(1, false)];
+            let (_, confirm) = FitRows::divide(rows.rows.clone(), &rows.partition);
+            let judge = rows.judge(&groups, &options);
+            judge.p_confirm(&confirm, (&all[..1], &all), &groups[0], (0.05, memory)).is_some_and(|p| p < 0.05)
+        });
+        seeds.count()
+    };
+    let [favour, follow] = [0.0, f64::INFINITY].map(|memory| confirmed(0.02, memory));
+    assert!(follow > favour + 8, "{favour} {follow}");
+    assert!(confirmed(0.0, f64::INFINITY) <= 5);
 }
 
 #[test]

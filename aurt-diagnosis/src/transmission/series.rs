@@ -113,7 +113,6 @@ impl FullRate {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.residual.len()
     }

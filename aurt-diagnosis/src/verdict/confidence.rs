@@ -11,8 +11,8 @@ use serde_json::json;
 use super::Verdict;
 use crate::DiagnosisError;
 
-/// The version of the file that is read here.
-const SCHEMA: u32 = 1;
+/// The version of the file of what was learnt.
+pub const LEARNT_SCHEMA: u32 = 1;
 
 /// The file that a diagnosis uses unless it is given another.
 const EMBEDDED: &str = include_str!("../../learnt.json");
@@ -39,14 +39,10 @@ pub struct LearntFrom {
     pub world: String,
     /// Seed of the proof.
     pub seed: u64,
-    /// Cases, where they were counted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cases: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub findings: Option<usize>,
+    pub cases: usize,
+    pub findings: usize,
     /// Findings that were right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hits: Option<usize>,
+    pub hits: usize,
 }
 
 /// Hit rates over evidence.
@@ -71,13 +67,13 @@ pub struct Rate {
 
 impl Rate {
     /// The rate by Laplace's rule of succession: the mean of what it can be when nothing was known before.
-    fn rate(self) -> f64 {
+    pub fn rate(self) -> f64 {
         (self.hits as f64 + 1.0) / (self.findings as f64 + 2.0)
     }
 }
 
 /// The evidence that every finding has.
-const SCORE: &str = "score";
+pub const SCORE: &str = "score";
 
 impl Learnt {
     /// What the program was built with.
@@ -108,8 +104,8 @@ impl Learnt {
     }
 
     fn checked(self) -> Result<Self, String> {
-        if self.schema != SCHEMA {
-            return Err(format!("has schema {}, this program reads {SCHEMA}", self.schema));
+        if self.schema != LEARNT_SCHEMA {
+            return Err(format!("has schema {}, this program reads {LEARNT_SCHEMA}", self.schema));
         }
         for name in [self.confidence.by.as_str(), SCORE] {
             if self.confidence.curves.get(name).is_none_or(Vec::is_empty) {
@@ -131,7 +127,6 @@ impl Learnt {
     }
 
     /// How often findings with such evidence were right; `ambiguous` if others do as well as this one.
-    #[must_use]
     pub fn confidence(&self, evidence: &[(&str, f64)], ambiguous: bool) -> f64 {
         if ambiguous {
             return self.ambiguous.rate();
@@ -162,8 +157,8 @@ fn refusal(path: &Path, reason: String) -> DiagnosisError {
     DiagnosisError::Learnt { path: path.to_owned(), reason }
 }
 
-/// The value of a curve: linear between its points, constant outside.
-fn interpolated(curve: &[[f64; 2]], x: f64) -> f64 {
+/// The value of a curve: linear between its points, constant outside; a half where it has none.
+pub fn interpolated(curve: &[[f64; 2]], x: f64) -> f64 {
     let (Some(first), Some(last)) = (curve.first(), curve.last()) else { return 0.5 };
     if x <= first[0] {
         return first[1];
@@ -178,7 +173,6 @@ static DEFAULT: LazyLock<Option<Learnt>> = LazyLock::new(|| Learnt::embedded().o
 
 /// The hit rate at a score, by what the program was built with, of a finding beside which others may or may not do as
 /// well.
-#[must_use]
 pub fn confidence(score: f64, has_alternatives: bool) -> f64 {
     DEFAULT.as_ref().map_or(0.5, |learnt| learnt.confidence(&[(SCORE, score)], has_alternatives))
 }

@@ -1,5 +1,6 @@
 //! Findings for contacts with the surroundings.
 
+use aurt_calibration::with_deviation;
 use serde_json::Value;
 
 use crate::contact::{Contact, ContactOptions};
@@ -35,10 +36,11 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
                 ("window_s".to_owned(), ParameterValue::exact(contact.window_s)),
             ]),
             sentence: format!(
-                "a contact at {} from {from:.1} to {to:.1} s of {}, felt by {}",
+                "a contact at {} from {from:.1} to {to:.1} s of {}, felt by {} (force_n = {} in the base frame)",
                 names.link(contact.link),
                 recording.data.name,
-                names.joint_list(&contact.joints)
+                names.joint_list(&contact.joints),
+                force(contact)
             ),
             ..Finding::new(
                 &external_contact::EFFECT,
@@ -49,4 +51,13 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
         }
     };
     investigation.contacts.iter().map(one).collect()
+}
+
+/// The force with its deviation, axis by axis.
+fn force(contact: &Contact) -> String {
+    let axis = |k: usize| match contact.force_std_n {
+        Some(std) => with_deviation(contact.force_n[k], std[k]),
+        None => format!("{:.1}", contact.force_n[k]),
+    };
+    [0, 1, 2].map(axis).join(", ")
 }

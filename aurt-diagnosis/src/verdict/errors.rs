@@ -2,9 +2,11 @@
 
 use crate::evidence::account::has_structure;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::between::{Share, taken};
+use crate::evidence::deviations::memory;
 use crate::evidence::total::TotalFit;
-use crate::hypotheses::group::Group;
-use crate::investigation::Investigation;
+use crate::hypotheses::group::{Group, Switch};
+use crate::investigation::{Fitted, Investigation};
 
 /// Whether a joint keeps more than its reference beside what was found.
 #[derive(Debug, Clone)]
@@ -19,7 +21,7 @@ impl Errors {
     /// Of an investigation. Registered models have no names and account for nothing; joints of `apart` are left out: what
     /// was found of them is no part of the model. The noise of each joint is `louder` times its floor.
     pub(crate) fn new(
-        investigation: &Investigation,
+        (investigation, fitted): (&Investigation, &Fitted),
         has_targets: bool,
         apart: &[usize],
         louder: &[f64],
@@ -28,7 +30,9 @@ impl Errors {
         let named: Vec<&Group> = chosen.filter(|g| g.is_named()).collect();
         let switches = investigation.switches_of(named.iter().copied());
         let whole = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
-        let of = Of { investigation, apart };
+        let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
+        let friction = fitted.between.unwrap_or(Share::USUAL).changes(&investigation.model, &own);
+        let of = Of { investigation, apart, friction, switches };
         let noise: Vec<f64> =
             investigation.floor.iter().zip(louder).map(|(f, louder)| louder.powi(2) * f).collect();
         let has_reference = investigation.problem.has_reference();
@@ -53,6 +57,10 @@ impl Errors {
 struct Of<'a> {
     investigation: &'a Investigation,
     apart: &'a [usize],
+    /// Changes of friction and their deviations on an unchanged robot, joint by joint.
+    friction: Vec<Vec<(Switch, f64)>>,
+    /// Coefficients of the whole model.
+    switches: Vec<Switch>,
 }
 
 impl Of<'_> {
@@ -61,12 +69,29 @@ impl Of<'_> {
         let asked = |j: &usize| !self.apart.contains(j) && self.rows(kind, *j) > 0.0;
         let left = |j: usize| match kind {
             0 => self.left_beside_targets(fit, j),
-            _ => self.fitted_rms(fit, kind, j),
+            _ => self.beside_usual_friction(fit, j, references[j]),
         };
         (0..references.len())
             .filter(asked)
             .filter(|j| has_structure(left(*j).powi(2), references[*j]))
             .collect()
+    }
+
+    /// The residual of the targets beside friction that differs as that of an unchanged robot does; `reference` is the variance of noise.
+    fn beside_usual_friction(&self, fit: &TotalFit, joint: usize, reference: f64) -> f64 {
+        let Investigation { problem, mean_independent_share, .. } = self.investigation;
+        let (columns, deviations): (Vec<Switch>, Vec<f64>) = self.friction[joint].iter().copied().unzip();
+        let mut alone = vec![0.0; problem.joints()];
+        alone[joint] = 1.0;
+        let total = problem.total();
+        let mut right = problem.right(total, &columns, &alone);
+        let fitted = problem.cross(total, &columns, &self.switches, &alone);
+        for (products, value) in fitted.chunks_exact(columns.len().max(1)).zip(&fit.coefficients) {
+            right.iter_mut().zip(products).for_each(|(r, product)| *r -= product * value);
+        }
+        let gram = problem.cross(total, &columns, &columns, &alone);
+        let usual = taken(&gram, &right, reference * memory(*mean_independent_share), &deviations);
+        ((fit.squared_errors[1][joint] - usual).max(0.0) / self.rows(1, joint).max(1.0)).sqrt()
     }
 
     /// What is left of the recordings beside the targets: what the targets keep bends a fit to both.

@@ -8,7 +8,7 @@ use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
-use crate::recordings::rows::RecordingRows;
+use crate::recordings::rows::{RecordingRows, Role};
 use crate::verdict::{HeldOut, HeldOutDifference, JointResidual};
 
 /// Improvement on the held-out rows. Before: the baseline as fitted to the calibration recordings (or given).
@@ -78,10 +78,10 @@ pub(super) fn differences(
     residual.iter().filter_map(difference).collect()
 }
 
-/// The joints, but for those of `apart`, whose held-out error is more than noise and the uncertainty of the coefficients leave: that of
+/// The joints, but for those of `apart`, whose held-out error is more than noise and what else is expected leave: that of
 /// the fitted rows may be taken for noise that is louder than their floor, and noise is as loud in the others.
 pub(super) fn beyond_noise(
-    uncertain: &[f64],
+    expected: &[f64],
     residual: &[JointResidual],
     held_out: &HeldOut,
     apart: &[usize],
@@ -89,9 +89,17 @@ pub(super) fn beyond_noise(
     let is_beyond = |joint: &JointResidual| {
         let (rms, floor) = (held_out.rms_after[joint.joint], held_out.rms_floor[joint.joint]);
         let louder = (joint.unexplained_rms / joint.floor_rms.max(f64::MIN_POSITIVE)).max(1.0);
-        rms.is_finite() && has_structure(rms * rms, (louder * floor).powi(2) + uncertain[joint.joint])
+        rms.is_finite() && has_structure(rms * rms, (louder * floor).powi(2) + expected[joint.joint])
     };
     residual.iter().filter(|r| !apart.contains(&r.joint) && is_beyond(r)).map(|r| r.joint).collect()
+}
+
+/// Mean square of what an unchanged robot's friction adds to the held-out rows, joint by joint: where these are recordings of their own,
+/// it differs from that of the others.
+pub(super) fn usual_friction(investigation: &Investigation, fitted: &Fitted) -> Vec<f64> {
+    let is_other = judging(investigation).any(|(_, rows)| rows.role == Role::Validation);
+    let share = if is_other { BETWEEN_RECORDINGS.powi(2) } else { 0.0 };
+    friction(investigation, fitted).into_iter().map(|square| share * square).collect()
 }
 
 /// The held-out recordings that have rows, with their numbers.

@@ -18,7 +18,6 @@ const JOLT_ROWS: usize = 2;
 ///
 /// A bin of ν independent rows has the mean square σ²·χ²_ν/ν. It stands out above the quantile that the largest of all bins
 /// exceeds with the probability [`BY_CHANCE`], σ² being the larger of the floor and of what the median bin tells.
-#[must_use]
 pub fn windows(recording: &RecordingRows, joint: usize, residual: &[f64], floor: f64) -> Vec<[f64; 2]> {
     let bin = (BIN_S * recording.rate_hz).max(2.0) as usize;
     let velocity = &recording.joints[joint].velocity_rad_s;

@@ -18,7 +18,7 @@ mod series;
 pub(crate) mod transmission;
 mod write;
 
-pub use confidence::Learnt;
+pub use confidence::{Curves, LEARNT_SCHEMA, Learnt, LearntFrom, Rate, SCORE, interpolated};
 pub(crate) use findings::{open_rivals, reported};
 pub use model::{
     Alternative, Answer, Evidence, Finding, HeldOut, HeldOutDifference, Indication, JointResidual,

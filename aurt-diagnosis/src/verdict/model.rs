@@ -97,14 +97,12 @@ pub struct Verdict {
 
 impl Verdict {
     /// Names of the robot's joints and links.
-    #[must_use]
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames { joints: &self.joint_names, links: &self.link_names }
     }
 
     /// Indications of a change in the targets that chance does not explain: `p_null` is within the level, and another test fails. Those
     /// that are within what recordings of an unchanged robot differ by, or those that are not.
-    #[must_use]
     pub fn indicated_changes(&self, usual: bool) -> Vec<&Finding> {
         let is_change =
             |f: &&Finding| f.family != Family::Q && f.present_in.iter().all(|kind| kind == "target");
@@ -307,7 +305,6 @@ pub struct HeldOut {
 
 impl HeldOut {
     /// Whether what was found makes a joint's error grow.
-    #[must_use]
     pub fn is_worse(&self, joint: usize) -> bool {
         let error = |of: &[f64]| of.get(joint).copied().unwrap_or(f64::NAN);
         let (before, after) = (error(&self.rms_before), error(&self.rms_after));

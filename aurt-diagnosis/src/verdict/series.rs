@@ -50,7 +50,6 @@ pub struct JointSeriesRows {
 }
 
 /// The rows behind a verdict.
-#[must_use]
 pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<RecordingSeries> {
     let all = investigation.switches();
     let fit = |switches| weighted_fit(&investigation.problem, switches, &investigation.floor).0.coefficients;

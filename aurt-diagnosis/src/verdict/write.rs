@@ -17,7 +17,9 @@ use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
 use crate::verdict::faults::fault_findings;
 use crate::verdict::findings::{delay_finding, findings, indications};
-use crate::verdict::held_out::{beyond_noise, differences, errors as errors_on_held_out, uncertainty};
+use crate::verdict::held_out::{
+    beyond_noise, differences, errors as errors_on_held_out, uncertainty, usual_friction,
+};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{is_gear_hinted, shaking_findings, shaking_indications};
 use crate::verdict::{
@@ -26,7 +28,6 @@ use crate::verdict::{
 use crate::vocabulary::{Effect, Means, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
-#[must_use]
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
     let fitted = Fitted::new(investigation, investigation.switches());
     let (all, fit) = (&fitted.switches, &fitted.fit);
@@ -84,7 +85,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     for ((joint, factor), of_trees) in residual.iter_mut().zip(&louder).zip(&remainder) {
         joint.structure_left = joint.structure_left && *factor <= 1.0 || of_trees.rest == Rest::Something;
     }
-    let errors = Errors::new(investigation, targets, &apart, &louder);
+    let errors = Errors::new((investigation, &fitted), targets, &apart, &louder);
     effects.extend(shaking.into_iter().chain(touched));
     effects.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
     // A fault that makes no difference stands behind physics that does.
@@ -94,7 +95,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.sort_by_key(|e| targets && e.present_in.iter().any(|kind| kind != "target"));
     // What the targets alone keep says nothing of the others.
     let is_structure = |j: usize| !apart.contains(&j) && !errors.is_of_targets(j);
-    let something = is_gear_hinted(question, investigation)
+    let something = effects.is_empty() && is_gear_hinted(question, investigation)
         || residual.iter().any(|r| r.structure_left && is_structure(r.joint));
     let answered = |something| answers(investigation, &effects, &registered_models, &errors, something);
     let (mut answer, mut structure) = answered(something);
@@ -104,7 +105,10 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         answer = Answer::HeldOutDiffers;
     } else if [answer, structure.unwrap_or(answer)].iter().all(|a| *a == Answer::NoMismatch) {
         // A disturbance of all fitted rows is in their noise, and not in that of held-out ones.
-        let beyond = beyond_noise(&uncertain, &residual, &held_out, &apart);
+        let usual = usual_friction(investigation, &fitted);
+        let expected: Vec<f64> =
+            uncertain.iter().zip(usual).map(|(of_fit, friction)| of_fit + friction).collect();
+        let beyond = beyond_noise(&expected, &residual, &held_out, &apart);
         residual.iter_mut().for_each(|r| r.structure_left |= beyond.contains(&r.joint));
         (answer, structure) = answered(!beyond.is_empty());
     }

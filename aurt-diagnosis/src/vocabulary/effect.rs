@@ -164,14 +164,12 @@ impl Effect {
     pub(crate) const FRICTION: Self = Self { kind: Kind::Friction, is_friction: true, ..Self::BASE };
 
     /// The explanation of the effect: the module documentation of its file.
-    #[must_use]
     pub fn explanation(&self) -> String {
         let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
         lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
     }
 
     /// The item of the explanation on a parameter.
-    #[must_use]
     pub fn meaning(&self, parameter: &str) -> Option<String> {
         self.parameter(parameter)?;
         let (page, quoted) = (self.explanation(), format!("`{parameter}`"));
@@ -181,7 +179,6 @@ impl Effect {
     }
 
     /// The parameter of a canonical name.
-    #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }

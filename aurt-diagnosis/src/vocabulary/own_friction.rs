@@ -14,7 +14,6 @@ pub struct OwnFriction {
 impl OwnFriction {
     /// The friction of a joint's stack; `coefficients` are those of a fit over the model's columns, at least
     /// up to the joint dynamics.
-    #[must_use]
     pub fn of(model: &RobotModel, joint: usize, coefficients: &[f64]) -> Self {
         let mut own = Self::default();
         let Some(stack) = model.stacks().get(joint) else { return own };

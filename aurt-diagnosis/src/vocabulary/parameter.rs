@@ -81,7 +81,6 @@ impl Unit {
     }
 
     /// Its symbol, in a model of what is measured in a unit.
-    #[must_use]
     pub const fn symbol(self, measured: MeasurementUnit) -> &'static str {
         self.of(measured)[1]
     }
@@ -130,7 +129,6 @@ impl Parameter {
     }
 
     /// Its name in a model of what is measured in a unit: `coulomb_nm` is `coulomb_a` in a model of currents.
-    #[must_use]
     pub fn name_in(&self, measured: MeasurementUnit) -> String {
         let stem = self.name.strip_suffix(self.unit.of_torques()[0]).unwrap_or(self.name);
         format!("{stem}{}", self.unit.of(measured)[0])

@@ -44,7 +44,6 @@ pub struct Fmu {
 
 impl Kind {
     /// Its name, as descriptions state it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Inverse => "inverse",

@@ -10,25 +10,21 @@ pub struct JointSelection(Option<Vec<usize>>);
 
 impl JointSelection {
     /// Every joint of the robot.
-    #[must_use]
     pub const fn all() -> Self {
         Self(None)
     }
 
     /// The listed joints, counted from 0.
-    #[must_use]
     pub const fn of(joints: Vec<usize>) -> Self {
         Self(Some(joints))
     }
 
     /// Whether no list was given.
-    #[must_use]
     pub const fn is_all(&self) -> bool {
         self.0.is_none()
     }
 
     /// The joints, ascending, of a robot of `robot_joints` joints.
-    #[must_use]
     pub fn resolve(&self, robot_joints: usize) -> Vec<usize> {
         let Some(list) = &self.0 else { return (0..robot_joints).collect() };
         let mut joints = list.clone();

@@ -23,7 +23,6 @@ pub struct Draw(SplitMix64);
 
 impl Draw {
     /// The sequence of a seed.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(SplitMix64::seed_from_u64(seed))
     }
@@ -42,7 +41,6 @@ impl Draw {
 impl Recording {
     /// Sums of three sines per joint at 0.1–2 Hz, sampled at intervals of 2–6 ms, with a stretch of exact rest and
     /// loads that vary in sign.
-    #[must_use]
     pub fn random(seed: u64, joints: usize, samples: usize) -> Self {
         let mut draw = Draw::new(seed);
         let mut recording = Self { joints, ..Self::default() };
@@ -79,7 +77,6 @@ impl Recording {
 
     /// `cycles` turns of q_j = q_0 + A_j (cos(s + φ_j) + ⅓ cos 3(s + φ_j)), which ends where it began; `amplitude_rad`
     /// is the size of A_j, and one turn takes `period_s`.
-    #[must_use]
     pub fn closed(
         seed: u64,
         joints: usize,
@@ -108,19 +105,16 @@ impl Recording {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints
     }
 
     /// Number of samples.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.time_s.len()
     }
 
     /// The series of one joint.
-    #[must_use]
     pub fn joint(&self, joint: usize) -> JointSeries<'_> {
         let range = joint * self.samples()..(joint + 1) * self.samples();
         JointSeries {
@@ -133,7 +127,6 @@ impl Recording {
     }
 
     /// The motion of all joints.
-    #[must_use]
     pub fn motion(&self) -> Motion {
         Motion::new(
             self.joints,
@@ -146,7 +139,6 @@ impl Recording {
     }
 
     /// What an arm term receives of `view`, which starts at the sample `first` of this recording's motion.
-    #[must_use]
     pub fn arm<'a>(
         &'a self,
         view: MotionView<'a>,

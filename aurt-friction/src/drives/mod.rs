@@ -27,7 +27,6 @@ pub struct DriveListing {
 
 impl DriveListing {
     /// The explanation of the drive: the module documentation of its file.
-    #[must_use]
     pub fn explanation(&self) -> String {
         let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
         lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
@@ -35,7 +34,6 @@ impl DriveListing {
 }
 
 /// Every drive, by name.
-#[must_use]
 pub fn listings() -> Vec<DriveListing> {
     macro_rules! listing {
         ($drive:ty, $file:literal) => {
@@ -56,7 +54,6 @@ pub fn listings() -> Vec<DriveListing> {
 }
 
 /// Every drive with its defaults, by name.
-#[must_use]
 pub fn all() -> Vec<Box<dyn DriveModel>> {
     listings().into_iter().map(|listing| listing.drive).collect()
 }

@@ -182,7 +182,7 @@ impl Prove {
             .learnt_from
             .iter()
             .map(|l| {
-                let (world, seed) = (l.world.name(), l.seed);
+                let (world, seed) = (l.world.as_str(), l.seed);
                 format!(
                     "{world}, seed {seed}: {} cases, {} of {} findings right\n",
                     l.cases, l.hits, l.findings

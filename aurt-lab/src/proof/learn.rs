@@ -5,15 +5,16 @@ use std::path::Path;
 use crate::{
     case::World,
     product::{Failure, OutputFile, pretty},
-    score::{CaseScore, Learnt},
+    score::{CaseScore, learnt},
 };
+use aurt_diagnosis::Learnt;
 use serde_json::json;
 
 pub fn learn(path: &Path, scores: &[(World, u64, Vec<CaseScore>)]) -> Result<Learnt, Failure> {
     let output = OutputFile::new("--learn", path, &[])?;
     let proofs: Vec<(World, u64, &[CaseScore])> =
         scores.iter().map(|(world, seed, scores)| (*world, *seed, scores.as_slice())).collect();
-    let learnt = Learnt::of(&proofs);
+    let learnt = learnt(&proofs);
     if learnt.confidence.curves.is_empty() {
         return Err(Failure::argument(
             "--learn",

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::case_score::CaseScore;
-use super::learnt::Learnt;
+use super::learnt::learnt;
 use super::world_board::WorldBoard;
 use crate::case::World;
 
@@ -34,7 +34,7 @@ impl Scoreboard {
                     .collect();
                 let known =
                     |(.., scores): &(World, u64, &[CaseScore])| scores.iter().any(|s| !s.findings.is_empty());
-                let learnt = others.iter().any(known).then(|| Learnt::of(&others));
+                let learnt = others.iter().any(known).then(|| learnt(&others));
                 (*world, WorldBoard::of(scores, learnt.as_ref()))
             })
             .collect();

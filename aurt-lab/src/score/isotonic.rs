@@ -61,20 +61,10 @@ fn pooled(blocks: &[Block], direction: f64) -> Vec<Block> {
     stack
 }
 
-/// The value of a curve: linear between its points, constant outside; a half where it has none.
-pub(super) fn interpolated(curve: &[[f64; 2]], x: f64) -> f64 {
-    let (Some(first), Some(last)) = (curve.first(), curve.last()) else { return 0.5 };
-    if x <= first[0] {
-        return first[1];
-    }
-    curve.windows(2).find(|pair| x <= pair[1][0]).map_or(last[1], |pair| {
-        let share = (x - pair[0][0]) / (pair[1][0] - pair[0][0]);
-        pair[0][1] + share * (pair[1][1] - pair[0][1])
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use aurt_diagnosis::interpolated;
+
     use super::*;
 
     #[test]

@@ -1,131 +1,63 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use aurt_diagnosis::{Curves, LEARNT_SCHEMA, Learnt, LearntFrom, Rate, SCORE, interpolated};
 
 use super::case_score::{CaseScore, ScoredFinding};
-use super::isotonic::{interpolated, isotonic};
+use super::isotonic::isotonic;
 use crate::case::World;
 
-pub const SCHEMA: u32 = 1;
-
-/// What was learnt from proofs, in a file that `aurt diagnose` reads.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Learnt {
-    /// Version of the file's form.
-    pub schema: u32,
-    pub learnt_from: Vec<LearntFrom>,
-    /// How often findings are right, by their evidence.
-    pub confidence: Curves,
-    /// How often a finding is right that others do as well as.
-    pub ambiguous: Rate,
+fn rate<'a>(findings: impl Iterator<Item = &'a ScoredFinding>) -> Rate {
+    findings.fold(Rate { findings: 0, hits: 0 }, |rate, f| Rate {
+        findings: rate.findings + 1,
+        hits: rate.hits + usize::from(f.hit),
+    })
 }
 
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LearntFrom {
-    pub world: World,
-    pub seed: u64,
-    pub cases: usize,
-    pub findings: usize,
-    pub hits: usize,
-}
-
-/// Hit rates over evidence.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Curves {
-    /// The evidence that tells most.
-    pub by: String,
-    /// For every kind of evidence: its value and the hit rate there, values ascending; linear in between and constant
-    /// outside.
-    pub curves: BTreeMap<String, Vec<[f64; 2]>>,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Rate {
-    pub findings: usize,
-    pub hits: usize,
-}
-
-impl Rate {
-    fn of<'a>(findings: impl Iterator<Item = &'a ScoredFinding>) -> Self {
-        findings.fold(Self::default(), |rate, f| Self {
-            findings: rate.findings + 1,
-            hits: rate.hits + usize::from(f.hit),
-        })
-    }
-
-    /// The rate by Laplace's rule of succession: the mean of what it can be when nothing was known before.
-    pub fn rate(&self) -> f64 {
-        (self.hits as f64 + 1.0) / (self.findings as f64 + 2.0)
+/// Learns from the scores of proofs: world, seed, scores. Findings under every answer count, those under
+/// `unexplained` as well; cases whose candidate was removed have none.
+pub fn learnt(proofs: &[(World, u64, &[CaseScore])]) -> Learnt {
+    let from = |(world, seed, scores): &(World, u64, &[CaseScore])| {
+        let own: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_none()).collect();
+        let Rate { findings, hits } = rate(own.iter().flat_map(|s| &s.findings));
+        LearntFrom { world: world.name().to_owned(), seed: *seed, cases: own.len(), findings, hits }
+    };
+    let all: Vec<&ScoredFinding> =
+        proofs.iter().flat_map(|(.., scores)| scores.iter().flat_map(|s| &s.findings)).collect();
+    Learnt {
+        schema: LEARNT_SCHEMA,
+        learnt_from: proofs.iter().map(from).collect(),
+        confidence: curves(&all.iter().copied().filter(|f| !f.ambiguous).collect::<Vec<_>>()),
+        ambiguous: rate(all.iter().copied().filter(|f| f.ambiguous)),
     }
 }
 
-/// The evidence that every finding of every version has.
-const SCORE: &str = "score";
+pub fn confidence(learnt: &Learnt, finding: &ScoredFinding) -> f64 {
+    let evidence: Vec<(&str, f64)> =
+        finding.evidence.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    learnt.confidence(&evidence, finding.ambiguous)
+}
 
-impl Learnt {
-    /// Learns from the scores of proofs: world, seed, scores. Findings under every answer count, those under
-    /// `unexplained` as well; cases whose candidate was removed have none.
-    pub fn of(proofs: &[(World, u64, &[CaseScore])]) -> Self {
-        let learnt_from = proofs
-            .iter()
-            .map(|(world, seed, scores)| {
-                let own: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_none()).collect();
-                let rate = Rate::of(own.iter().flat_map(|s| &s.findings));
-                let (world, seed) = (*world, *seed);
-                LearntFrom { world, seed, cases: own.len(), findings: rate.findings, hits: rate.hits }
-            })
-            .collect();
-        let all: Vec<&ScoredFinding> =
-            proofs.iter().flat_map(|(.., scores)| scores.iter().flat_map(|s| &s.findings)).collect();
-        Self {
-            schema: SCHEMA,
-            learnt_from,
-            confidence: Curves::of(&all.iter().copied().filter(|f| !f.ambiguous).collect::<Vec<_>>()),
-            ambiguous: Rate::of(all.iter().copied().filter(|f| f.ambiguous)),
+fn curves(findings: &[&ScoredFinding]) -> Curves {
+    let mut names: Vec<&String> = findings.iter().flat_map(|f| f.evidence.keys()).collect();
+    names.sort();
+    names.dedup();
+    let mut curves = BTreeMap::new();
+    let mut best: Option<(f64, &str)> = None;
+    for name in names {
+        let points: Vec<(f64, bool)> =
+            findings.iter().filter_map(|f| Some((*f.evidence.get(name)?, f.hit))).collect();
+        let curve = isotonic(&points);
+        let error = brier(points.iter().map(|(x, hit)| (interpolated(&curve, *x), *hit)));
+        // Evidence that some findings lack cannot be what all are judged by. Of equals the score is taken.
+        let candidate = error.filter(|_| points.len() == findings.len());
+        if let Some(error) = candidate
+            && best.is_none_or(|(least, _)| error < least || error <= least && name == SCORE)
+        {
+            best = Some((error, name));
         }
+        curves.insert(name.clone(), curve);
     }
-
-    pub fn confidence(&self, finding: &ScoredFinding) -> f64 {
-        if finding.ambiguous {
-            return self.ambiguous.rate();
-        }
-        self.confidence.rate(&finding.evidence).unwrap_or_else(|| Rate::default().rate())
-    }
-}
-
-impl Curves {
-    fn of(findings: &[&ScoredFinding]) -> Self {
-        let mut names: Vec<&String> = findings.iter().flat_map(|f| f.evidence.keys()).collect();
-        names.sort();
-        names.dedup();
-        let mut curves = BTreeMap::new();
-        let mut best: Option<(f64, &str)> = None;
-        for name in names {
-            let points: Vec<(f64, bool)> =
-                findings.iter().filter_map(|f| Some((*f.evidence.get(name)?, f.hit))).collect();
-            let curve = isotonic(&points);
-            let error = brier(points.iter().map(|(x, hit)| (interpolated(&curve, *x), *hit)));
-            // Evidence that some findings lack cannot be what all are judged by. Of equals the score is taken.
-            let candidate = error.filter(|_| points.len() == findings.len());
-            if let Some(error) = candidate
-                && best.is_none_or(|(least, _)| error < least || error <= least && name == SCORE)
-            {
-                best = Some((error, name));
-            }
-            curves.insert(name.clone(), curve);
-        }
-        Self { by: best.map_or(SCORE, |(_, name)| name).to_owned(), curves }
-    }
-
-    /// The hit rate at some evidence: by what tells most, else by the score; none where neither is there.
-    pub fn rate(&self, evidence: &BTreeMap<String, f64>) -> Option<f64> {
-        let by = |name: &str| Some(interpolated(self.curves.get(name)?, *evidence.get(name)?));
-        by(&self.by).or_else(|| by(SCORE))
-    }
+    Curves { by: best.map_or(SCORE, |(_, name)| name).to_owned(), curves }
 }
 
 /// Mean squared difference between probabilities and what happened (Brier 1950).

@@ -40,7 +40,7 @@ pub use claim::{Answer, Claim, ClaimedAlternative, ClaimedEffect, ClaimedValue};
 pub use claim_set::{ClaimDifference, ClaimSet};
 pub use invariance::{HALVES, Invariance, VariantDifference};
 pub use leak::leaks;
-pub use learnt::{Curves, Learnt, LearntFrom, Rate, SCHEMA};
+pub use learnt::learnt;
 pub use neighbours::neighbours;
 pub use parameters::ParameterError;
 pub use reliability::{Bin, Reliability};

@@ -297,7 +297,7 @@ fn confidence_is_learnt_on_other_worlds() {
     assert!((rough.reliability.brier.unwrap() - 0.81).abs() < 1e-12);
     let elsewhere = rough.reliability_learnt_elsewhere.as_ref().unwrap();
     assert!((elsewhere.brier.unwrap() - (21.0_f64 / 22.0).powi(2)).abs() < 1e-12);
-    let learnt = Learnt::of(&[(crate::case::World::Clean, 7, &scores[..20])]);
+    let learnt = learnt(&[(crate::case::World::Clean, 7, &scores[..20])]);
     assert_eq!((learnt.learnt_from[0].hits, learnt.confidence.by.as_str()), (20, "score"));
     let text = board.markdown();
     assert!(text.contains("| what is counted | clean | rough |"), "{text}");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::case_score::{CaseScore, ScoredFinding};
 use super::claim::Answer;
 use super::invariance::Invariance;
-use super::learnt::Learnt;
+use super::learnt::confidence;
 use super::reliability::Reliability;
 use super::share::{Share, mean, median};
 use crate::{case::CaseType, strength::Strength};
@@ -148,7 +148,7 @@ pub struct WorldBoard {
 
 impl WorldBoard {
     /// The board of the scores of one world; `elsewhere` was learnt on the others.
-    pub fn of(scores: &[CaseScore], elsewhere: Option<&Learnt>) -> Self {
+    pub fn of(scores: &[CaseScore], elsewhere: Option<&aurt_diagnosis::Learnt>) -> Self {
         let own: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_none()).collect();
         let known_before = own.iter().filter(|s| s.known_before).count();
         let all = |case_type: CaseType| -> Vec<&CaseScore> {
@@ -193,7 +193,7 @@ impl WorldBoard {
             confusion: confusion(&singles),
             reliability: Reliability::of(&findings, |f| f.confidence),
             reliability_learnt_elsewhere: elsewhere
-                .map(|learnt| Reliability::of(&findings, |f| learnt.confidence(f))),
+                .map(|learnt| Reliability::of(&findings, |f| confidence(learnt, f))),
         }
     }
 }

@@ -117,7 +117,6 @@ impl Registry {
     }
 
     /// What to say of a table that names a model by a former name; nothing of others.
-    #[must_use]
     pub fn former_name(slot: Slot, table: &Node) -> Option<String> {
         let (old, new) = renamed(slot, table)?;
         Some(format!("the {} model `{old}` is called `{new}` now; both names mean the same", slot.name()))

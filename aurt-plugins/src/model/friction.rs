@@ -31,7 +31,6 @@ pub struct Friction {
 
 impl Friction {
     /// Friction of three models, such as a [`Registry`](crate::Registry) builds by their names.
-    #[must_use]
     pub fn new(
         coulomb: Box<dyn CoulombModel>,
         hysteresis: Box<dyn HysteresisModel>,
@@ -41,19 +40,16 @@ impl Friction {
     }
 
     /// No friction, f = 0.
-    #[must_use]
     pub fn absent() -> Self {
         Self::new(Box::new(Absent {}), Box::new(Sign::default()), Box::new(Polynomial { powers: Vec::new() }))
     }
 
     /// Dry friction that does not depend on the load, F_C0 sgn q̇.
-    #[must_use]
     pub fn coulomb() -> Self {
         Self::absent().level(Constant {})
     }
 
     /// Dry friction that grows with the load, (F_C0 + F_C1 |τ_J|) sgn q̇.
-    #[must_use]
     pub fn load_dependent() -> Self {
         Self::absent().level(Absolute {})
     }

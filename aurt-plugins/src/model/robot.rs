@@ -124,31 +124,26 @@ impl Robot {
     }
 
     /// Number of joints N.
-    #[must_use]
     pub fn joints(&self) -> usize {
         self.dynamics.rigid_body.joints()
     }
 
     /// Names, limits and, where the description has masses, standard parameters; none of a table.
-    #[must_use]
     pub fn described(&self) -> Option<&DescribedRobot> {
         self.described.as_deref()
     }
 
     /// The rigid bodies, τ = Y(q, q̇, q̈) π with 10 N standard parameters π.
-    #[must_use]
     pub fn rigid_body(&self) -> &dyn RigidBodyRegressor {
         &*self.dynamics.rigid_body
     }
 
     /// The base inertial parameters.
-    #[must_use]
     pub fn base_parameters(&self) -> &BaseParameters {
         &self.dynamics.base
     }
 
     /// What a person should know of how the geometry was read.
-    #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -160,7 +155,6 @@ impl Robot {
     }
 
     /// A model of this robot, with the friction F_C0 sgn q̇ + F_v1 q̇ in every joint unless another is chosen.
-    #[must_use]
     pub fn model(&self) -> ModelBuilder {
         ModelBuilder::new(self.dynamics.clone())
     }

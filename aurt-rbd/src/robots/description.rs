@@ -97,13 +97,11 @@ impl RobotDescription for DescribedRobot {
 
 impl DescribedRobot {
     /// Whether each of the N joints slides: its positions are in m.
-    #[must_use]
     pub fn sliding(&self) -> Vec<bool> {
         (0..self.joint_names.len()).map(|j| Coupling::slides(j, &self.joints, &self.couplings)).collect()
     }
 
     /// What each of the M joints does.
-    #[must_use]
     pub fn kinds(&self) -> Vec<JointKind> {
         self.joints.iter().map(|joint| joint.kind).collect()
     }

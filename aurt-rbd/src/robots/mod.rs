@@ -83,7 +83,6 @@ pub fn tips(text: &str, path: impl AsRef<Path>, base: Option<&str>) -> Result<Ve
 }
 
 /// Whether a text is an MJCF file, by its outermost element.
-#[must_use]
 pub fn is_mjcf(text: &str) -> bool {
     element::document(text, Path::new("")).is_ok_and(|d| d.root_element().tag_name().name() == mjcf::ROOT)
 }

@@ -152,7 +152,6 @@ impl ParameterFile {
     }
 
     /// The number of a quantity of a joint, or else of all, and the name of the parameter.
-    #[must_use]
     pub fn value(&self, joint: &str, quantity: &str) -> Option<(f64, &str)> {
         let of = |element: &str| self.of(&[quantity]).find(|(_, of, _)| *of == element);
         of(joint).or_else(|| of("")).map(|(p, ..)| (p.values[0], p.name.as_str()))

@@ -57,19 +57,16 @@ pub struct Stretch {
 
 impl LongSegment {
     /// Number of motion samples.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }
 
     /// Rows per joint after decimation.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.kept_rows.len()
     }
 
     /// The sample of the motion to which a row belongs.
-    #[must_use]
     pub const fn sample(&self, row: usize) -> usize {
         (self.kept_rows.start + row) * self.decimation
     }
@@ -128,56 +125,47 @@ impl LongRecording {
 
 impl LongPrepared {
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.recording.joints
     }
 
     /// What messages call the recording.
-    #[must_use]
     pub fn name(&self) -> String {
         self.recording.file.display().to_string()
     }
 
     /// Whether something was measured.
-    #[must_use]
     pub const fn is_measured(&self) -> bool {
         self.recording.measured
     }
 
     /// The recording.
-    #[must_use]
     pub const fn recording(&self) -> &LongRecording {
         &self.recording
     }
 
     /// What was found and done. The median distance of stamps is that of the first 65 536; measured velocities are not
     /// looked at.
-    #[must_use]
     pub const fn report(&self) -> &PreprocessReport {
         &self.report
     }
 
     /// Every how many samples a row is kept.
-    #[must_use]
     pub const fn decimation(&self) -> usize {
         self.plan.decimation
     }
 
     /// The filter that the measurement passed, to be applied to the regressor's columns.
-    #[must_use]
     pub const fn parallel_filter(&self) -> &ZeroPhase {
         &self.plan.parallel_filter
     }
 
     /// The stretches without gaps, in order of time.
-    #[must_use]
     pub fn segments(&self) -> &[LongSegment] {
         &self.segments
     }
 
     /// The parallel filter for columns over a segment's motion; it hands out the rows.
-    #[must_use]
     pub fn bank(&self, segment: &LongSegment, columns: usize) -> ZeroPhaseBank {
         let bank = ZeroPhaseBank::new(&self.plan.parallel_filter, columns, self.plan.decimation);
         bank.keeping(segment.kept_rows.clone())

@@ -102,31 +102,26 @@ impl LongRecording {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints
     }
 
     /// Number of samples.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.spill.rows()
     }
 
     /// Unit of the measurement.
-    #[must_use]
     pub const fn unit(&self) -> MeasurementUnit {
         self.unit
     }
 
     /// The first stamp, s; none of an empty recording.
-    #[must_use]
     pub const fn first_stamp_s(&self) -> Option<f64> {
         self.first_s
     }
 
     /// What was found while the file was read; nothing of samples that were pushed.
-    #[must_use]
     pub const fn report(&self) -> &ReadReport {
         &self.report
     }

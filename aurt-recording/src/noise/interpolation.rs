@@ -24,14 +24,12 @@ const BINS: usize = 16;
 
 impl Interpolation {
     /// Samples that were recorded at `rate_hz` and used as they are.
-    #[must_use]
     pub const fn none(rate_hz: f64) -> Self {
         Self { rate_hz, places: Vec::new() }
     }
 
     /// Samples recorded at the increasing stamps `time_s`, about `rate_hz` of them a second, and interpolated at the
     /// increasing times of `grid_s`.
-    #[must_use]
     pub fn between(time_s: &[f64], grid_s: &[f64], rate_hz: f64) -> Self {
         let mut places = vec![[0.0; 2]; BINS];
         let mut k = 0;
@@ -65,7 +63,6 @@ impl Interpolation {
     /// Mean |D(f)|² over the grid's samples. With s the share of the distance of stamps, ω = 2πf/rate:
     /// straight lines 1 − 2s(1−s)(1 − cos ω); the spline through equidistant samples
     /// |Σ_k β³(k−s) e^{−iωk}|² / (2/3 + cos(ω)/3)² with the cubic B-spline β³ (Unser 1999).
-    #[must_use]
     pub fn power_gain(&self, frequency_hz: f64, how: Interpolator) -> f64 {
         if self.places.is_empty() {
             return 1.0;

@@ -18,7 +18,6 @@ const MOST_DECIMALS: i32 = 10;
 ///
 /// The smallest tenth of the changes between neighbours supplies candidates for one step; the step is then refined by
 /// least squares over multiples of growing size.
-#[must_use]
 pub fn lattice_step(series: &[f64]) -> Option<f64> {
     let scale = series.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let rounding = 16.0 * f64::EPSILON * scale;

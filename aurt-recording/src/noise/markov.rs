@@ -31,13 +31,11 @@ const INDEPENDENT: f64 = 0.4;
 
 impl WhiteAndMarkov {
     /// White noise alone.
-    #[must_use]
     pub const fn white(white_std: f64, rate_hz: f64) -> Self {
         Self { white_std, markov_std: 0.0, corner_hz: 0.0, rate_hz }
     }
 
     /// One-sided power spectrum, unit²/Hz: 2σ_w²/rate + (2σ²/rate)(1−a²)/(1 − 2a cos ω + a²).
-    #[must_use]
     pub fn psd(&self, frequency_hz: f64) -> f64 {
         let white = 2.0 * self.white_std * self.white_std / self.rate_hz;
         if self.markov_std == 0.0 {
@@ -53,7 +51,6 @@ impl WhiteAndMarkov {
     /// is known as well as the shape of its tail (within a factor of two over a minute at half of it), and the power below
     /// with it. White noise where memory
     /// does not show, or there are fewer than three bands above; `None` without any.
-    #[must_use]
     pub fn fit(
         bands: &[SpectrumBand],
         above_hz: f64,

@@ -33,7 +33,6 @@ pub struct PositionNoise {
 
 impl PositionNoise {
     /// No noise at all, of samples at a rate.
-    #[must_use]
     pub const fn none(rate_hz: f64) -> Self {
         Self { white_rad: 0.0, step_rad: None, rate_hz, lattice: Vec::new() }
     }
@@ -44,7 +43,6 @@ impl PositionNoise {
     /// power Δ²/12: harmonic k has Δ²/(2π²k²) at k v/Δ, folded into the band of the samples, and less by
     /// e^{−(2πkσ/Δ)²} under white noise σ, which turns the rest white (Bennett 1948; Widrow and Kollár 2008, ch. 5). A
     /// resting joint's error is constant.
-    #[must_use]
     pub fn of(time_s: &[f64], position_rad: &[f64]) -> Self {
         let Some(step_s) = median_step_s(time_s) else { return Self::none(1.0) };
         let rate_hz = 1.0 / step_s;
@@ -68,7 +66,6 @@ impl PositionNoise {
     }
 
     /// One-sided power spectrum at a frequency up to half the rate, rad²/Hz; nothing above.
-    #[must_use]
     pub fn psd(&self, frequency_hz: f64) -> f64 {
         let nyquist_hz = 0.5 * self.rate_hz;
         if frequency_hz > nyquist_hz {
@@ -79,7 +76,6 @@ impl PositionNoise {
     }
 
     /// Mean square of the noise in accelerations below a frequency, (rad/s²)²: ∫ (2πf)⁴ S(f) df.
-    #[must_use]
     pub fn acceleration_power(&self, below_hz: f64) -> f64 {
         let width_hz = below_hz / BINS as f64;
         let power = |bin: usize| {

@@ -4,14 +4,12 @@ use std::f64::consts::PI;
 
 /// |A(f)| of the stencil q̈_k = (q_{k+1} − 2q_k + q_{k−1})/T², in 1/s²: (2 sin(πfT)/T)², which is (2πf)² far below half
 /// the sampling rate 1/T.
-#[must_use]
 pub fn acceleration_gain(frequency_hz: f64, rate_hz: f64) -> f64 {
     (2.0 * rate_hz * libm::sin(PI * frequency_hz / rate_hz)).powi(2)
 }
 
 /// |V(f)| of central differences q̇_k = (q_{k+1} − q_{k−1})/2T, in 1/s: sin(2πfT)/T, which is 2πf far below half the
 /// sampling rate 1/T.
-#[must_use]
 pub fn velocity_gain(frequency_hz: f64, rate_hz: f64) -> f64 {
     (rate_hz * libm::sin(2.0 * PI * frequency_hz / rate_hz)).abs()
 }

@@ -39,7 +39,6 @@ pub struct SpectrumBand {
 
 impl MedianSpectrum {
     /// For pieces of about `piece_s`, in samples a power of two between 16 and 16 384.
-    #[must_use]
     pub fn new(rate_hz: f64, piece_s: f64) -> Self {
         let length = ((piece_s * rate_hz).max(1.0) as usize).clamp(16, 1 << 14).next_power_of_two();
         let window = (0..length)
@@ -49,13 +48,11 @@ impl MedianSpectrum {
     }
 
     /// Samples of a piece.
-    #[must_use]
     pub const fn length(&self) -> usize {
         self.window.len()
     }
 
     /// Number of pieces taken in.
-    #[must_use]
     pub const fn pieces(&self) -> usize {
         self.pieces.len()
     }
@@ -121,7 +118,6 @@ impl MedianSpectrum {
     }
 
     /// Medians over pieces and neighbouring bins, in bands whose edges grow by `ratio`.
-    #[must_use]
     pub fn bands(&self, ratio: f64) -> Vec<SpectrumBand> {
         let bins = self.length() / 2;
         let bin_hz = self.rate_hz / self.length() as f64;

@@ -28,7 +28,6 @@ const FARTHEST: f64 = 3.5;
 /// The median of mean squares over chunks of 32 differences is used, so that impacts and reversals do not count;
 /// chunks in which nothing changes (a resting joint on the lattice of its encoder) do not count either.
 /// 0 where the series is too short.
-#[must_use]
 pub fn white_level_at(time_s: &[f64], series: &[f64]) -> f64 {
     level_and_order(time_s, series).map_or(0.0, |(level, _)| level)
 }

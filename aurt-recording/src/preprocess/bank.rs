@@ -67,19 +67,16 @@ pub struct DecimatedTile<'a> {
 
 impl<'a> DecimatedTile<'a> {
     /// Index of the tile's first row; row k belongs to sample k · decimation.
-    #[must_use]
     pub const fn first_row(&self) -> usize {
         self.first_row
     }
 
     /// Number of rows.
-    #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows
     }
 
     /// The rows of one column.
-    #[must_use]
     pub fn column(&self, column: usize) -> &'a [f64] {
         &self.data[column * self.stride..column * self.stride + self.rows]
     }
@@ -94,7 +91,6 @@ impl<'a> DecimatedTile<'a> {
 
 impl ZeroPhaseBank {
     /// A bank for `columns` columns that keeps every `decimation`-th row (0 counts as 1).
-    #[must_use]
     pub fn new(filter: &ZeroPhase, columns: usize, decimation: usize) -> Self {
         Self::at_level(filter, columns, decimation, Dispatch::active())
     }

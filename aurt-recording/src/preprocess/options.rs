@@ -87,25 +87,21 @@ impl PreprocessOptions {
     }
 
     /// The paper's defaults for dynamics up to `f_dyn_hz`.
-    #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
         Self { f_dyn_hz, ..Self::default() }
     }
 
     /// Options for a first look at recordings of which nothing is known but their lowest sampling rate: up to 10 Hz, rest included.
-    #[must_use]
     pub fn first_look(lowest_rate_hz: f64) -> Self {
         Self { trim_rest: false, ..Self::new((50.0 * lowest_rate_hz).round().min(1e4) / 1e3) }
     }
 
     /// Cut-off of the position filter in use.
-    #[must_use]
     pub fn effective_position_cutoff_hz(&self) -> f64 {
         self.position_cutoff_hz.unwrap_or(5.0 * self.f_dyn_hz)
     }
 
     /// Cut-off of the parallel filter in use.
-    #[must_use]
     pub fn effective_parallel_cutoff_hz(&self) -> f64 {
         self.parallel_cutoff_hz.unwrap_or(2.0 * self.f_dyn_hz)
     }
@@ -167,7 +163,6 @@ pub struct Decimation {
 
 impl Decimation {
     /// The factor for dynamics up to `f_dyn_hz` sampled every `period_s`.
-    #[must_use]
     pub fn new(f_dyn_hz: f64, period_s: f64) -> Self {
         let exact = 0.8 / (4.0 * f_dyn_hz * period_s);
         // Saturates where the quotient is beyond usize; the rounded value of a finite positive number is safe.

@@ -91,7 +91,6 @@ impl PreprocessReport {
     }
 
     /// The report in sentences.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.clock_note()];
         let clock = &self.clock;

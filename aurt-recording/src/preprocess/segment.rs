@@ -43,19 +43,16 @@ pub struct Segment {
 
 impl Segment {
     /// Rows per joint.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.kept_rows.len()
     }
 
     /// The sample of the motion to which a row belongs.
-    #[must_use]
     pub const fn sample(&self, row: usize) -> usize {
         (self.kept_rows.start + row) * self.decimation
     }
 
     /// What a series over the motion is at the rows.
-    #[must_use]
     pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|row| series[self.sample(row)]).collect()
     }
@@ -93,7 +90,6 @@ impl Segment {
     }
 
     /// The parallel filter for columns over the motion that are still being made; it hands out the rows.
-    #[must_use]
     pub fn bank(&self, columns: usize) -> ZeroPhaseBank {
         ZeroPhaseBank::new(&self.parallel_filter, columns, self.decimation).keeping(self.kept_rows.clone())
     }

@@ -47,31 +47,26 @@ impl ZeroPhase {
     }
 
     /// Frequency at which one pass has the gain 1/√2, in Hz.
-    #[must_use]
     pub const fn cutoff_hz(&self) -> f64 {
         self.cutoff_hz
     }
 
     /// Sampling rate of the series it is made for, in Hz.
-    #[must_use]
     pub const fn rate_hz(&self) -> f64 {
         self.rate_hz
     }
 
     /// Order of one pass.
-    #[must_use]
     pub const fn order(&self) -> usize {
         self.design.order
     }
 
     /// The second-order sections, in the order in which they are applied.
-    #[must_use]
     pub fn sections(&self) -> &[Section] {
         &self.design.sections
     }
 
     /// Samples by which a series is continued at each end; a series must be longer than this.
-    #[must_use]
     pub fn padding(&self) -> usize {
         self.design.padding()
     }
@@ -79,7 +74,6 @@ impl ZeroPhase {
     /// For how many samples the filter remembers: after these its step response stays within 1e-3 of the step, on either
     /// side. An output this far from the ends of its series is what a longer series would give, to that share of the difference
     /// between the true series and the one by which the filter continues it.
-    #[must_use]
     pub fn memory(&self) -> usize {
         let reach = self.design.decay_samples(SETTLED * SETTLED) + self.padding();
         let mut impulse = vec![0.0; 2 * reach + 1];
@@ -94,7 +88,6 @@ impl ZeroPhase {
     }
 
     /// The gain |H(f)|² that forward and backward pass have together at a frequency.
-    #[must_use]
     pub fn gain(&self, frequency_hz: f64) -> f64 {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * frequency_hz / self.rate_hz);
         let (sin2, cos2) = (2.0 * sin * cos, cos * cos - sin * sin);

@@ -28,14 +28,12 @@ const NOISE_SHARE: f64 = 1e-3;
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
 /// weight of its mean power, whatever its length and rate.
-#[must_use]
 pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>) -> Option<f64> {
     Band::of(recordings).suitable_hz()
 }
 
 /// `asked_hz`, or the highest usual f_dyn below it, at which noise of the positions has at most 0.1 % of the power of the accelerations:
 /// beyond, inertias are biased, and what is biased looks like something else. Never less than what suits ([`suitable_f_dyn_hz`]).
-#[must_use]
 pub fn quiet_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>, asked_hz: f64) -> f64 {
     Band::of(recordings).quiet_hz(asked_hz)
 }
@@ -114,7 +112,6 @@ fn reach_hz(mut spectrum: Vec<(f64, f64)>) -> Option<f64> {
 impl Preprocessed {
     /// The frequency below which 99.9 % of the power of a joint's velocity lies, in Hz, in the longest stretch without gaps; `None`
     /// if nothing exceeds the noise of its positions, or that was not estimated.
-    #[must_use]
     pub fn bandwidth_hz(&self, joint: usize) -> Option<f64> {
         reach_hz(self.velocity_spectrum(joint))
     }

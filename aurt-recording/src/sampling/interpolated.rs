@@ -28,7 +28,6 @@ impl Recording {
     /// Every how many rows one was recorded, if all between lie on straight lines in stamps, positions and measurements:
     /// such rows say nothing of their own, but their noise is less than a sensor's, and so would be all deviations. `None` of
     /// rows as sensors give them.
-    #[must_use]
     pub fn interpolation_stride(&self) -> Option<usize> {
         let measured = self.measurement.as_ref()?;
         if self.samples() < FEWEST_ROWS {
@@ -65,7 +64,6 @@ impl Recording {
     }
 
     /// The first row and every `stride`-th after it.
-    #[must_use]
     pub fn every(&self, stride: usize) -> Self {
         self.with_series(|series| series.iter().step_by(stride.max(1)).copied().collect())
     }

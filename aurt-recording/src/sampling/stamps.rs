@@ -63,7 +63,6 @@ impl fmt::Display for StampUnit {
 impl Recording {
     /// The unit that its stamps are in, if that is another than the one they are read in. Measured velocities decide; without
     /// them it shows where loggers are not that slow or fast, and in the other unit joints can move that fast.
-    #[must_use]
     pub fn stamp_unit(&self, read_in: TimeUnit) -> Option<StampUnit> {
         let rate_hz = 1.0 / median_step_s(&self.time_s)?;
         let speed = self.speed();

@@ -27,7 +27,6 @@ static DECLARATION: OnceLock<Shared> = OnceLock::new();
 
 /// The declaration of all models that the crate `name` has registered in this library, made at the first call; NULL
 /// if that panics.
-#[must_use]
 pub fn declaration(name: &'static str, version: &'static str) -> *const Declaration {
     catch_unwind(|| ptr::from_ref(&DECLARATION.get_or_init(|| declare(name, version)).0))
         .unwrap_or(ptr::null())

@@ -7,7 +7,6 @@ use crate::{ArmSeries, JointSeries, MotionView};
 
 impl Series {
     /// The series of one joint.
-    #[must_use]
     pub fn of_joint(series: &JointSeries<'_>) -> Self {
         let samples = series.samples();
         Self {
@@ -25,7 +24,6 @@ impl Series {
     }
 
     /// The series of all joints.
-    #[must_use]
     pub fn of_arm(series: &ArmSeries<'_>) -> Self {
         let motion = &series.motion;
         let (stride, [position, velocity, acceleration]) = motion.strided();
@@ -63,7 +61,6 @@ impl Series {
     ///
     /// # Safety
     /// Every pointer leads to the values that the struct describes, and nobody changes them during `'a`.
-    #[must_use]
     pub unsafe fn as_arm<'a>(&self) -> (MotionView<'a>, &'a [f64]) {
         let reach =
             |stride: usize| if self.joints == 0 { 0 } else { (self.joints - 1) * stride + self.samples };

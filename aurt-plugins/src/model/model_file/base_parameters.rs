@@ -16,7 +16,6 @@ pub struct BaseParameterReading {
 }
 
 /// What each base parameter of a robot stands for.
-#[must_use]
 pub fn read_base_parameters(
     body: &dyn RigidBodyRegressor,
     base: &BaseParameters,

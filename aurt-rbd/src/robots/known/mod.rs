@@ -50,20 +50,17 @@ struct KnownJoint {
 }
 
 /// The known robot of a name, in any mixture of upper and lower case.
-#[must_use]
 pub fn known_robot(name: &str) -> Option<&'static KnownRobot> {
     KNOWN_ROBOTS.iter().find(|robot| robot.name.eq_ignore_ascii_case(name))
 }
 
 /// The known robot whose name is nearest to an unknown one.
-#[must_use]
 pub fn probably_meant(name: &str) -> Option<&'static str> {
     likely(name, KNOWN_ROBOTS.iter().map(|robot| robot.name))
 }
 
 impl KnownRobot {
     /// Names of the joints in the robot's ROS description.
-    #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         match self.joint_names {
             JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
@@ -72,13 +69,11 @@ impl KnownRobot {
     }
 
     /// Number of joints.
-    #[must_use]
     pub const fn joints(&self) -> usize {
         self.joints.len()
     }
 
     /// The chain from the base to the last joint; without masses, which makers do not publish.
-    #[must_use]
     pub fn description(&self) -> DescribedRobot {
         let mut here = Pose::identity();
         let mut joints = Vec::new();
