@@ -5,7 +5,7 @@ use crate::error::DiagnosisError;
 
 /// The doubts of a diagnosis, and what a motion would do about them.
 pub trait Discriminator: Sync {
-    /// What is known of a motion that is not recorded yet.
+    /// Evidence of a motion that is not recorded yet.
     type Planned: Clone + Send + Sync;
 
     /// The open questions, those of claims first.
@@ -48,5 +48,7 @@ pub trait Discriminator: Sync {
 
     /// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability; infinite
     /// where it decides by another measure.
-    fn nats_to_decide(&self, probability: f64) -> f64;
+    fn nats_to_decide(&self, _probability: f64) -> f64 {
+        f64::INFINITY
+    }
 }

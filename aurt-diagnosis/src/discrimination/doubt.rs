@@ -8,13 +8,26 @@ use crate::verdict::{open_rivals, share_left};
 use crate::vocabulary::{Effect, Presence};
 
 /// An effect, or a structure of drives, on some joints.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Subject {
     pub id: &'static str,
-    /// Those that it is on.
     pub joints: Vec<usize>,
-    /// True of what is not that of some joints.
     pub is_whole_arm: bool,
+    /// Index of the candidate of an effect.
+    pub(super) candidate: usize,
+    pub(super) switches: Vec<Switch>,
+}
+
+impl Subject {
+    /// The effect of a hypothesis.
+    pub(super) fn of(group: &Group) -> Self {
+        Self::of_effect(group.effect, &group.joints, group.candidate, group.switches.clone())
+    }
+
+    fn of_effect(effect: &Effect, joints: &[usize], candidate: usize, switches: Vec<Switch>) -> Self {
+        let Effect { id, is_whole_arm, .. } = *effect;
+        Self { id, joints: joints.to_vec(), is_whole_arm, candidate, switches }
+    }
 }
 
 /// An open question of a diagnosis.
@@ -31,86 +44,22 @@ pub enum Doubt {
     Indicated(Subject),
     /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
     Absorbed(Subject),
-    /// A parameter is known less well than is wanted.
-    Wide {
-        /// The claim that it is of, or the structure.
-        subject: Subject,
-        /// What is wanted.
-        wanted: DeviationGoal,
-    },
+    /// A parameter of a claim, or of a structure, is known less well than is wanted.
+    Wide(Subject, DeviationGoal),
     /// Numbers of drives that change together, along which recordings say less than was known beforehand.
     Undetermined(Vec<String>),
 }
 
-impl Doubt {
-    /// True of those that count as one doubt together: nobody knows whether any of what is absorbed is there, and numbers that
-    /// are open were not asked for.
-    #[must_use]
-    pub const fn is_one_of_many(&self) -> bool {
-        matches!(self, Self::Absorbed(_) | Self::Undetermined(_))
-    }
-}
-
-/// An effect on some joints, with its coefficients.
-#[derive(Debug, Clone)]
-pub(super) struct ContestedLaw {
-    pub(super) effect: &'static Effect,
-    pub(super) joints: Vec<usize>,
-    /// Index of the candidate.
-    pub(super) candidate: usize,
-    pub(super) switches: Vec<Switch>,
-}
-
-impl ContestedLaw {
-    /// The effect of a hypothesis.
-    pub(super) fn of(group: &Group) -> Self {
-        Self {
-            effect: group.effect,
-            joints: group.joints.clone(),
-            candidate: group.candidate,
-            switches: group.switches.clone(),
-        }
-    }
-
-    pub(super) fn subject(&self) -> Subject {
-        let Effect { id, is_whole_arm, .. } = *self.effect;
-        Subject { id, joints: self.joints.clone(), is_whole_arm }
-    }
-}
-
-/// What a doubt is between.
-#[derive(Debug, Clone)]
+/// Explanations of the recordings that a doubt is between.
+#[derive(Debug)]
 pub(super) enum Contest {
-    /// Another effect describes the recordings as well as a claim.
-    Rivals {
-        /// What is claimed.
-        claimed: ContestedLaw,
-        /// What does as well.
-        rival: ContestedLaw,
-        /// The two, with everything else that is claimed.
-        explanations: Box<[Explanation; 2]>,
-    },
-    /// An effect describes the recordings and fails a test: it may be there or not.
-    Indicated {
-        /// What is indicated.
-        subject: ContestedLaw,
-        /// With it and without it.
-        explanations: Box<[Explanation; 2]>,
-    },
-    /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
-    Absorbed {
-        /// What is not decidable.
-        subject: ContestedLaw,
-        /// Columns of the other laws that its torque may be taken for.
-        rivals: Vec<Vec<Switch>>,
-    },
-    /// A parameter is known less well than is wanted.
-    Wide {
-        /// The claim that it is of.
-        subject: ContestedLaw,
-        /// What is wanted.
-        wanted: DeviationGoal,
-    },
+    /// Two claims, each with everything else that is claimed.
+    Rivals(Box<[Explanation; 2]>),
+    /// The model with the effect and without it.
+    Indicated(Box<[Explanation; 2]>),
+    /// Columns of the other laws that the effect's torque may be taken for.
+    Absorbed(Subject, Vec<Vec<Switch>>),
+    Wide(Subject, DeviationGoal),
 }
 
 /// A standard deviation that a parameter shall have at most.
@@ -145,40 +94,34 @@ impl ModelFit {
     }
 }
 
-impl Contest {
-    pub(super) fn doubt(&self) -> Doubt {
-        match self {
-            Self::Rivals { claimed, rival, .. } => {
-                Doubt::Rivals { claimed: claimed.subject(), rival: rival.subject() }
-            }
-            Self::Indicated { subject, .. } => Doubt::Indicated(subject.subject()),
-            Self::Absorbed { subject, .. } => Doubt::Absorbed(subject.subject()),
-            Self::Wide { subject, wanted } => {
-                Doubt::Wide { subject: subject.subject(), wanted: wanted.clone() }
-            }
-        }
+impl Doubt {
+    /// True of those that count as one doubt together: nobody knows whether any of what is absorbed is there, and numbers that
+    /// are open were not asked for.
+    pub fn is_one_of_many(&self) -> bool {
+        matches!(self, Self::Absorbed(_) | Self::Undetermined(_))
     }
 
     /// The candidates that it is about.
     pub(super) fn candidates(&self) -> Vec<usize> {
         match self {
-            Self::Rivals { claimed, rival, .. } => vec![claimed.candidate, rival.candidate],
-            Self::Indicated { subject, .. } | Self::Absorbed { subject, .. } | Self::Wide { subject, .. } => {
+            Self::Rivals { claimed, rival } => vec![claimed.candidate, rival.candidate],
+            Self::Indicated(subject) | Self::Absorbed(subject) | Self::Wide(subject, _) => {
                 vec![subject.candidate]
             }
+            Self::Undetermined(_) => Vec::new(),
         }
     }
 }
 
 /// All doubts of a diagnosis, those of claims first.
-pub(super) fn contests(
+pub(super) fn doubts(
     question: &Question<'_>,
     investigation: &Investigation,
     fitted: &Fitted,
     wanted: &[DeviationGoal],
-) -> Vec<Contest> {
+) -> Vec<(Doubt, Contest)> {
     let Investigation { problem, groups, selection, .. } = investigation;
-    let of_group = |g: usize| ContestedLaw::of(&groups[g]);
+    let of_group = |g: usize| Subject::of(&groups[g]);
     let explained = |of: &mut dyn Iterator<Item = usize>, law: Option<usize>| {
         let mut all: Vec<usize> = of.collect();
         let model = |of: &[usize]| {
@@ -199,10 +142,7 @@ pub(super) fn contests(
                 continue;
             }
             let explanations = [explained(&mut claimed(), Some(one.group)), explained(&mut others(), None)];
-            found.push(Contest::Indicated {
-                subject: of_group(one.group),
-                explanations: Box::new(explanations),
-            });
+            found.push((Doubt::Indicated(of_group(one.group)), Contest::Indicated(Box::new(explanations))));
             continue;
         }
         for rival in open_rivals(investigation, one, fitted) {
@@ -210,11 +150,8 @@ pub(super) fn contests(
                 explained(&mut claimed(), Some(one.group)),
                 explained(&mut others().chain([rival.group]), Some(rival.group)),
             ];
-            found.push(Contest::Rivals {
-                claimed: of_group(one.group),
-                rival: of_group(rival.group),
-                explanations: Box::new(explanations),
-            });
+            let doubt = Doubt::Rivals { claimed: of_group(one.group), rival: of_group(rival.group) };
+            found.push((doubt, Contest::Rivals(Box::new(explanations))));
         }
     }
     for indicated in &investigation.indicated {
@@ -224,12 +161,13 @@ pub(super) fn contests(
         }
         let explanations =
             [explained(&mut claimed().chain([group]), Some(group)), explained(&mut claimed(), None)];
-        found.push(Contest::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
+        found.push((Doubt::Indicated(of_group(group)), Contest::Indicated(Box::new(explanations))));
     }
     for wanted in wanted {
         let has = |g: &usize| groups[*g].effect.parameter(&wanted.parameter).is_some();
         let subjects = claimed().filter(has).map(of_group);
-        found.extend(subjects.map(|subject| Contest::Wide { subject, wanted: wanted.clone() }));
+        let both = |s: Subject| (Doubt::Wide(s.clone(), wanted.clone()), Contest::Wide(s, wanted.clone()));
+        found.extend(subjects.map(both));
     }
     found.extend(absorbed(question, investigation));
     found
@@ -253,24 +191,19 @@ fn other_shapes(investigation: &Investigation, law: usize) -> impl Iterator<Item
 }
 
 /// What the model absorbs in the present motions: of each effect and joint the candidate of which most is left.
-fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Contest> {
+fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<(Doubt, Contest)> {
     let target = investigation.problem.has_target();
-    let mut most: Vec<(ContestedLaw, f64)> = Vec::new();
+    let mut most: Vec<(Subject, f64)> = Vec::new();
     for (index, candidate) in investigation.candidates.iter().enumerate() {
         let Some(share) = share_left(investigation, index) else { continue };
         let target_only = target && candidate.proposal.presence == Presence::Change;
         if candidate.proposal.presence == Presence::Change && !target {
             continue;
         }
-        let subject = ContestedLaw {
-            effect: candidate.effect,
-            joints: candidate.proposal.joints.clone(),
-            candidate: index,
-            switches: columns_of(candidate, target_only),
-        };
-        let same = |(known, _): &&mut (ContestedLaw, f64)| {
-            known.effect == subject.effect && known.joints == subject.joints
-        };
+        let (joints, columns) = (&candidate.proposal.joints, columns_of(candidate, target_only));
+        let subject = Subject::of_effect(candidate.effect, joints, index, columns);
+        let same =
+            |(known, _): &&mut (Subject, f64)| known.id == subject.id && known.joints == subject.joints;
         match most.iter_mut().find(same) {
             Some(known) if known.1 >= share => {}
             Some(known) => *known = (subject, share),
@@ -278,8 +211,11 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Conte
         }
     }
     let hidden = most.into_iter().filter(|(_, share)| *share < question.selection.free_share);
-    let doubt = |(subject, _)| Contest::Absorbed { rivals: rivals_of(investigation, &subject), subject };
-    hidden.map(doubt).collect()
+    let both = |(subject, _): (Subject, f64)| {
+        let contest = Contest::Absorbed(subject.clone(), rivals_of(investigation, &subject));
+        (Doubt::Absorbed(subject), contest)
+    };
+    hidden.map(both).collect()
 }
 
 /// The coefficients of a candidate.
@@ -292,17 +228,18 @@ fn columns_of(candidate: &Candidate, target_only: bool) -> Vec<Switch> {
 /// Laws for which a diagnosis may take the torque of another: those on its joint that are as simple, and gains of all joints, since the
 /// model's bodies pass on to other joints what is wrong with the load of one. A more general law gives way, as in the search. The
 /// same force by another name is no rival.
-fn rivals_of(investigation: &Investigation, subject: &ContestedLaw) -> Vec<Vec<Switch>> {
+fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<Vec<Switch>> {
     let target_only = subject.switches.first().is_some_and(|s| s.target_only);
     let freedoms = |c: &Candidate| c.columns.len() + c.proposal.shapes.len();
-    let own = freedoms(&investigation.candidates[subject.candidate]);
+    let itself = &investigation.candidates[subject.candidate];
+    let own = freedoms(itself);
     let is_rival = |other: &&Candidate| {
         let is_simple = other.columns.len() <= subject.switches.len() || freedoms(other) <= own;
         let meets = other.proposal.joints.iter().any(|j| subject.joints.contains(j));
         let is_tried = target_only || other.proposal.presence != Presence::Change;
         other.registered.is_none()
-            && other.effect != subject.effect
-            && !other.effect.is_same_force(subject.effect)
+            && other.effect != itself.effect
+            && !other.effect.is_same_force(itself.effect)
             && is_simple
             && is_tried
             && (meets || *other.effect == torque_constant::EFFECT)

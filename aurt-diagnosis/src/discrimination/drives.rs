@@ -14,7 +14,9 @@
 
 use std::sync::Arc;
 
-use aurt_calibration::drives::{DriveError, DriveRecording, Options, Undetermined, loss, slopes, stem};
+use aurt_calibration::drives::{
+    DriveError, DriveRecording, EstimatedNumber, Options, OutputErrorFit, Undetermined, loss, slopes, stem,
+};
 use aurt_recording::Recording;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -30,6 +32,8 @@ use crate::error::DiagnosisError;
 
 /// Samples of a block at which rollouts are compared: what two models of servos differ by lasts a tenth of a second.
 const SAMPLES: f64 = 20.0;
+/// What is known beforehand where recordings speak alone.
+const ALONE: f64 = 1e-9;
 /// Time in which the arm comes to rest at the first command, s.
 const SETTLES_S: f64 = 1.0;
 
@@ -111,12 +115,14 @@ impl<'a> DriveDiscrimination<'a> {
             doubts: Vec::new(),
         };
         for finding in &diagnosis.findings {
-            for id in &finding.alternatives {
-                let Some(other) = STRUCTURES.iter().find(|s| s.id == *id) else { continue };
-                let rival = own.add(search.instead(&diagnosis.model, &finding.structure, other)?, true);
-                let claimed = Subject::of(finding.structure.id);
+            let others = STRUCTURES.iter().filter(|s| finding.alternatives.contains(&s.id));
+            for other in others {
+                let without = search.without(&finding.structure, &diagnosis.model)?;
+                let Some(rival) = search.with(other, &without) else { continue };
+                let rival = own.add(rival, true);
                 let ways = [[0, rival], [rival, 0]].map(|way| own.way(way));
-                own.push(ModelContest::Rivals(ways), Doubt::Rivals { claimed, rival: Subject::of(id) });
+                let [claimed, rival] = [finding.structure.id, other.id].map(whole_arm);
+                own.push(ModelContest::Rivals(ways), Doubt::Rivals { claimed, rival });
             }
         }
         for contested in &diagnosis.contested {
@@ -126,15 +132,13 @@ impl<'a> DriveDiscrimination<'a> {
             let (level, structure) = (contested.level, contested.structure);
             let small = is_small.then_some(with);
             let contest = ModelContest::There { way: own.way([with, without]), level, structure, small };
-            own.push(contest, Doubt::Indicated(Subject::of(structure.id)));
+            own.push(contest, Doubt::Indicated(whole_arm(structure.id)));
         }
         own.add_numbers(wanted);
-        if block_s == crate::drives::block_s(seconds(held_out), held_out.len(), given) {
-            return Ok(own);
-        }
-        let judged: Result<Vec<Missed>, DriveError> =
-            own.models.par_iter().map(|model| Missed::of(&model.fit.arm, held_out, &options)).collect();
-        own.models.iter_mut().zip(judged?).for_each(|(model, missed)| model.missed = missed);
+        own.models.par_iter_mut().try_for_each(|model| -> Result<(), DriveError> {
+            model.missed = Missed::of(&model.fit.arm, held_out, &options)?;
+            Ok(())
+        })?;
         Ok(own)
     }
 
@@ -157,22 +161,19 @@ impl<'a> DriveDiscrimination<'a> {
     /// Numbers that are wanted narrower, and directions that are open.
     fn add_numbers(&mut self, wanted: &[DeviationGoal]) {
         let fit = &self.diagnosis.improved;
-        let mut found = Vec::new();
-        for wanted in wanted {
-            let is_meant = |name: &str| name == wanted.parameter || stem(name) == wanted.parameter;
+        for goal in wanted {
+            let is_meant = |name: &str| name == goal.parameter || stem(name) == goal.parameter;
             for (k, number) in fit.numbers.iter().enumerate().filter(|(_, n)| is_meant(&n.name)) {
-                let wanted = DeviationGoal { parameter: stem(&number.name).to_owned(), std: wanted.std };
-                let doubt = Doubt::Wide { subject: subject_of(&number.name), wanted: wanted.clone() };
-                found.push((ModelContest::Number(k, wanted.std), doubt));
+                let goal = DeviationGoal { parameter: stem(&number.name).to_owned(), std: goal.std };
+                self.push(ModelContest::Number(k, goal.std), Doubt::Wide(subject_of(&number.name), goal));
             }
         }
         for Undetermined { names, changes, .. } in &fit.undetermined {
             let change = |name: &String| names.iter().position(|n| n == name).map_or(0.0, |k| changes[k]);
             let all = fit.numbers.iter().map(|n| change(&n.name));
             let direction = DVector::from_iterator(fit.numbers.len(), all).normalize();
-            found.push((ModelContest::Direction(direction), Doubt::Undetermined(names.clone())));
+            self.push(ModelContest::Direction(direction), Doubt::Undetermined(names.clone()));
         }
-        found.into_iter().for_each(|(contest, doubt)| self.push(contest, doubt));
     }
 
     /// Rollouts of all models over the commands of a recording, from where it starts.
@@ -183,15 +184,15 @@ impl<'a> DriveDiscrimination<'a> {
         let seconds = time_s[time_s.len() - 1] - time_s[0];
         let of_block = self.options.block_s / seconds * time_s.len() as f64;
         let stride = ((of_block / SAMPLES) as usize).max(1);
-        let mut blocks: Vec<(f64, std::ops::Range<usize>)> = Vec::new();
-        let mut column = 0;
-        for (k, t) in time_s.iter().enumerate() {
-            let block = ((t - time_s[0]) / self.options.block_s) as usize;
-            blocks.resize(blocks.len().max(block + 1), (0.0, column..column));
-            blocks[block].0 += 1.0;
-            column += if k.is_multiple_of(stride) { joints } else { 0 };
-            blocks[block].1.end = column;
-        }
+        let kept: Vec<usize> = (0..time_s.len()).step_by(stride).collect();
+        let block = |k: &usize| ((time_s[*k] - time_s[0]) / self.options.block_s) as usize;
+        let column = kept.len() * joints;
+        let columns = |samples: &[usize]| {
+            let place = |k: usize| k / stride * joints;
+            let (first, last) = (samples[0], samples[samples.len() - 1]);
+            ((samples.len() * stride) as f64, place(first)..place(last) + joints)
+        };
+        let blocks = kept.chunk_by(|a, b| block(a) == block(b)).map(columns).collect();
         let rollouts: Result<Vec<Vec<Vec<f64>>>, DriveError> =
             self.models.iter().map(|model| model.fit.arm.rollout(recording)).collect();
         let rollouts = rollouts?;
@@ -199,7 +200,7 @@ impl<'a> DriveDiscrimination<'a> {
         for (model, moves) in self.models.iter().zip(&self.moves) {
             let of = || slopes(&model.fit.arm, &model.selection, recording, &self.options, stride);
             let own = moves.then(of).transpose()?;
-            slopes_of.push(own.map(|j| (&j * j.transpose() * stride as f64, j)).map(|(gram, j)| (j, gram)));
+            slopes_of.push(own.map(|j| (j.clone(), &j * j.transpose() * stride as f64)));
         }
         let at = |model: usize, column: usize| rollouts[model][column % joints][column / joints * stride];
         let way = |[a, b]: &[usize; 2]| {
@@ -227,7 +228,7 @@ impl<'a> DriveDiscrimination<'a> {
     fn foreseen(&self, way: usize, level: f64, planned: &DriveMoments) -> (Foresight, f64) {
         let [truth, rival] = self.ways[way].map(|k| &self.models[k]);
         let fit = &rival.fit;
-        let mut curvature = known(fit);
+        let mut curvature = known(fit, 1.0);
         let mut pull = DVector::zeros(fit.numbers.len());
         for part in &planned.parts {
             let (_, information, own) = &part.ways[way];
@@ -241,12 +242,10 @@ impl<'a> DriveDiscrimination<'a> {
             let left = j.tr_mul(&step) - &part.ways[way].0;
             squares += left.norm_squared();
             count += left.len();
-            motion.extend(part.blocks.iter().filter(|(_, columns)| !columns.is_empty()).map(
-                |(samples, columns)| BlockApart {
-                    samples: *samples,
-                    apart_rad: columns.clone().map(|c| self.options.deviation_rad * left[c]).collect(),
-                },
-            ));
+            motion.extend(part.blocks.iter().map(|(samples, columns)| BlockApart {
+                samples: *samples,
+                apart_rad: columns.clone().map(|c| self.options.deviation_rad * left[c]).collect(),
+            }));
         }
         let samples: usize = self.fitted.iter().map(|r| (r.time_s.len() - r.first) * r.command.len()).sum();
         let excess = step.dot(&(&fit.information * &step)) / samples as f64;
@@ -255,35 +254,39 @@ impl<'a> DriveDiscrimination<'a> {
         (foresight, (squares / count.max(1) as f64).sqrt())
     }
 
-    /// Variances of a model's numbers along directions with a motion recorded, over those of now; in units of what was known
-    /// beforehand.
-    fn information(&self, model: usize, planned: Option<&DriveMoments>) -> DMatrix<f64> {
-        let mut sum = known(&self.models[model].fit);
-        let parts = planned.iter().flat_map(|p| &p.parts);
-        parts.filter_map(|part| part.slopes[model].as_ref()).for_each(|(_, gram)| sum += gram);
+    /// The information of the present recordings and of a motion on a model's numbers, with so much known beforehand.
+    fn information(&self, model: usize, planned: &[Arc<MotionRollouts>], beforehand: f64) -> DMatrix<f64> {
+        let mut sum = known(&self.models[model].fit, beforehand);
+        planned.iter().filter_map(|part| part.slopes[model].as_ref()).for_each(|(_, gram)| sum += gram);
         sum
     }
 
     /// The deviations of a model's numbers with a motion recorded: what numbers that are given may be off stays.
     fn narrowed(&self, model: usize, planned: &DriveMoments) -> Vec<[f64; 2]> {
         let fit = &self.models[model].fit;
-        let variances = |information: DMatrix<f64>| information.cholesky().map(|c| c.inverse().diagonal());
-        let [now, then] = [None, Some(planned)].map(|p| variances(self.information(model, p)));
-        let (Some(now), Some(then)) = (now, then) else { return Vec::new() };
+        let [now, then] = [&[][..], &planned.parts].map(|parts| {
+            let inverse = self.information(model, parts, 1.0).cholesky().map(|c| c.inverse().diagonal());
+            inverse.unwrap_or_else(|| DVector::from_element(fit.numbers.len(), 1.0))
+        });
         let wide = if model == 0 { &self.diagnosis.improved.numbers } else { &fit.numbers };
-        let of = |(k, number): (usize, &aurt_calibration::drives::EstimatedNumber)| {
+        let of = |(k, number): (usize, &EstimatedNumber)| {
             let given = (wide[k].deviation.powi(2) - number.deviation.powi(2)).max(0.0).sqrt();
             [wide[k].deviation, given.hypot(number.deviation * (then[k] / now[k]).sqrt())]
         };
         fit.numbers.iter().enumerate().map(of).collect()
     }
 
+    /// A number of the improved model, with its deviation now and after.
+    fn interval(&self, k: usize, [now, after]: [f64; 2]) -> Interval {
+        let number = &self.diagnosis.improved.numbers[k];
+        Interval { parameter: number.name.clone(), value: json!(number.value), now, after }
+    }
+
     fn of_structure(
         &self,
-        contest: (usize, f64, &Structure, Option<usize>),
+        (way, level, structure, small): (usize, f64, &Structure, Option<usize>),
         planned: &DriveMoments,
     ) -> Outlook {
-        let (way, level, structure, small) = contest;
         let (foresight, free) = self.foreseen(way, level, planned);
         let is_enough = foresight.reduction >= self.diagnosis.demands.reduction;
         // A number of it must lie two deviations from nothing.
@@ -299,11 +302,8 @@ impl<'a> DriveDiscrimination<'a> {
     }
 
     fn of_direction(&self, direction: &DVector<f64>, planned: &DriveMoments) -> Outlook {
-        let fit = &self.models[0].fit;
-        let n = fit.numbers.len();
-        // What the recordings know alone.
-        let information = self.information(0, Some(planned)) - DMatrix::identity(n, n) * (1.0 - 1e-9);
-        let variance = direction.dot(&solved(information, direction, fit));
+        let information = self.information(0, &planned.parts, ALONE);
+        let variance = direction.dot(&solved(information, direction, &self.models[0].fit));
         let ratio = if variance > 0.0 { variance.recip().sqrt() } else { 0.0 };
         outlook(ratio.min(1.0), 0.0, ratio, ratio)
     }
@@ -314,17 +314,13 @@ fn outlook(settled: f64, wrongly: f64, deviations: f64, free: f64) -> Outlook {
     Outlook { nats: None, settled, wrongly, evidence, free, interval: None }
 }
 
-/// The information of the present recordings and of what was known beforehand.
-fn known(fit: &aurt_calibration::drives::OutputErrorFit) -> DMatrix<f64> {
-    &fit.information + DMatrix::identity(fit.numbers.len(), fit.numbers.len())
+/// The information of the present recordings, with so much known beforehand.
+fn known(fit: &OutputErrorFit, beforehand: f64) -> DMatrix<f64> {
+    &fit.information + DMatrix::identity(fit.numbers.len(), fit.numbers.len()) * beforehand
 }
 
 /// The solution of normal equations in which numbers at a bound stay.
-fn solved(
-    mut matrix: DMatrix<f64>,
-    right: &DVector<f64>,
-    fit: &aurt_calibration::drives::OutputErrorFit,
-) -> DVector<f64> {
+fn solved(mut matrix: DMatrix<f64>, right: &DVector<f64>, fit: &OutputErrorFit) -> DVector<f64> {
     let mut right = right.clone();
     for (k, _) in fit.numbers.iter().enumerate().filter(|(_, n)| n.at_bound) {
         matrix.row_mut(k).fill(0.0);
@@ -335,18 +331,17 @@ fn solved(
     matrix.cholesky().map_or(zero, |c| c.solve(&right))
 }
 
-impl Subject {
-    /// A structure of drives.
-    fn of(id: &'static str) -> Self {
-        Self { id, joints: Vec::new(), is_whole_arm: true }
-    }
+fn whole_arm(id: &'static str) -> Subject {
+    Subject { id, is_whole_arm: true, ..Subject::default() }
 }
 
 /// The structure that a number is of, with its joint.
 fn subject_of(number: &str) -> Subject {
-    let id = STRUCTURES.iter().find(|s| s.has(number)).map_or("drive", |s| s.id);
-    let joint = number[stem(number).len()..].trim_start_matches('_').parse().ok();
-    Subject { id, joints: joint.into_iter().collect(), is_whole_arm: joint.is_none() }
+    let of_arm = whole_arm(STRUCTURES.iter().find(|s| s.has(number)).map_or("drive", |s| s.id));
+    match number[stem(number).len()..].trim_start_matches('_').parse() {
+        Ok(joint) => Subject { joints: vec![joint], is_whole_arm: false, ..of_arm },
+        Err(_) => of_arm,
+    }
 }
 
 impl Discriminator for DriveDiscrimination<'_> {
@@ -410,39 +405,26 @@ impl Discriminator for DriveDiscrimination<'_> {
             }
             ModelContest::Direction(direction) => self.of_direction(direction, planned),
             ModelContest::Number(k, wanted) => {
-                let [now, after] = self.narrowed(0, planned).get(*k).copied().unwrap_or([f64::INFINITY; 2]);
-                let number = &self.diagnosis.improved.numbers[*k];
-                let (parameter, value) = (number.name.clone(), json!(number.value));
-                let interval = Some(Interval { parameter, value, now, after });
-                Outlook { interval, ..outlook((wanted / after).min(1.0), 0.0, wanted / after, 1.0) }
+                let interval = self.interval(*k, self.narrowed(0, planned)[*k]);
+                let ratio = wanted / interval.after;
+                Outlook { interval: Some(interval), ..outlook(ratio.min(1.0), 0.0, ratio, 1.0) }
             }
         };
         doubts.iter().map(of).collect()
     }
 
     fn intervals(&self, planned: &DriveMoments) -> Vec<(Subject, Vec<Interval>)> {
-        let claims =
-            self.diagnosis.findings.iter().filter(|f| matches!(f.answer, Answer::Missing | Answer::Wrong));
+        let Diagnosis { findings, improved, .. } = self.diagnosis;
+        let claims = findings.iter().filter(|f| matches!(f.answer, Answer::Missing | Answer::Wrong));
         let narrowed = self.narrowed(0, planned);
-        let numbers = || self.diagnosis.improved.numbers.iter().zip(&narrowed);
         let of = |structure: &Structure| {
-            let own = numbers().filter(|(n, _)| structure.has(&n.name));
-            own.map(|(n, [now, after])| Interval {
-                parameter: n.name.clone(),
-                value: json!(n.value),
-                now: *now,
-                after: *after,
-            })
-            .collect()
+            let own = (0..narrowed.len()).filter(|k| structure.has(&improved.numbers[*k].name));
+            own.map(|k| self.interval(k, narrowed[k])).collect()
         };
-        claims.map(|f| (Subject::of(f.structure.id), of(&f.structure))).collect()
+        claims.map(|f| (whole_arm(f.structure.id), of(&f.structure))).collect()
     }
 
     fn largest<'m>(&self, planned: &'m DriveMoments) -> &'m [f64] {
         &planned.largest_rad
-    }
-
-    fn nats_to_decide(&self, _probability: f64) -> f64 {
-        f64::INFINITY
     }
 }

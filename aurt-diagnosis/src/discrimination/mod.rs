@@ -39,12 +39,15 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::gram::Moments;
 use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
 use aurt_recording::Recording;
-use doubt::{Contest, contests};
+use doubt::{Contest, doubts};
+use motion::add;
+use outlook::together;
 
 /// The doubts of a diagnosis, and what a motion would do about them.
 #[derive(Debug)]
@@ -62,8 +65,8 @@ pub struct Discrimination<'a> {
     base_weights: Vec<f64>,
     /// The model that the investigation ends with.
     fitted: Fitted,
-    contests: Vec<Contest>,
     doubts: Vec<Doubt>,
+    contests: Vec<Contest>,
 }
 
 impl<'a> Discrimination<'a> {
@@ -80,8 +83,7 @@ impl<'a> Discrimination<'a> {
         let Investigation { problem, base_switches, floor, .. } = investigation;
         let base_weights = of_moved_joints(problem, weighted_fit(problem, base_switches, floor).1);
         let weights = of_moved_joints(problem, weights);
-        let contests = contests(question, investigation, &fitted, wanted);
-        let doubts = contests.iter().map(Contest::doubt).collect();
+        let (doubts, contests) = doubts(question, investigation, &fitted, wanted).into_iter().unzip();
         let independent_hz = share * mean_rate_hz(&investigation.rows);
         let reduction = question.selection.least_log_error(independent_hz).exp_m1();
         Self {
@@ -93,8 +95,8 @@ impl<'a> Discrimination<'a> {
             reduction,
             base_weights,
             fitted,
-            contests,
             doubts,
+            contests,
         }
     }
 }
@@ -107,23 +109,51 @@ impl Discriminator for Discrimination<'_> {
     }
 
     fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
-        Self::planned(self, motion)
+        self.moments(motion)
     }
 
-    fn and(&self, one: MotionMoments, other: &MotionMoments) -> MotionMoments {
-        one.and(other)
+    fn and(&self, mut one: MotionMoments, other: &MotionMoments) -> MotionMoments {
+        add(&mut one.moments, &other.moments);
+        one.largest.iter_mut().zip(&other.largest).for_each(|(most, other)| *most = most.max(*other));
+        one
     }
 
     fn recorded_again(&self, other: &MotionMoments) -> Result<MotionMoments, DiagnosisError> {
-        Ok(Self::recorded_again(self, other))
+        let total = self.investigation.problem.total();
+        let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
+        let share = rows(&other.moments) / rows(total).max(1.0);
+        let mut moments = other.moments.clone();
+        for (sum, moments) in moments.iter_mut().flatten().zip(total.iter().flatten()) {
+            sum.scale(0.0);
+            sum.add(moments, share);
+        }
+        Ok(MotionMoments { moments, largest: Vec::new() })
     }
 
     fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
-        Self::outlook_of(self, doubts, planned)
+        let all = together(self.investigation.problem.total(), planned);
+        let mut absorbed = self.free(doubts, &all).into_iter();
+        let outlook = |k: &usize| match &self.contests[*k] {
+            Contest::Absorbed(subject, _) => {
+                self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
+            }
+            Contest::Rivals(explanations) => self.of_rivals(explanations, planned),
+            Contest::Indicated(explanations) => self.of_indicated(explanations, &all),
+            Contest::Wide(subject, wanted) => self.of_wide(subject, wanted, &all),
+        };
+        doubts.iter().map(outlook).collect()
     }
 
     fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
-        Self::intervals(self, planned)
+        let after = self.narrowed(&together(self.investigation.problem.total(), planned));
+        let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
+        groups
+            .map(|group| {
+                let subject = Subject::of(group);
+                let intervals = self.intervals_of(&subject, &after);
+                (subject, intervals)
+            })
+            .collect()
     }
 
     fn largest<'m>(&self, planned: &'m MotionMoments) -> &'m [f64] {
@@ -131,7 +161,9 @@ impl Discriminator for Discrimination<'_> {
     }
 
     fn encoders(&self) -> Vec<[f64; 2]> {
-        Self::encoders(self)
+        let noise = self.investigation.noise.first();
+        let positions = noise.iter().flat_map(|noise| &noise.positions);
+        positions.map(|position| [position.step_rad.unwrap_or(0.0), position.white_rad]).collect()
     }
 
     fn nats_to_decide(&self, probability: f64) -> f64 {

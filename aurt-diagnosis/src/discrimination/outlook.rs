@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use super::doubt::{Contest, ContestedLaw, DeviationGoal, Explanation, ModelFit, Subject};
+use super::doubt::{Contest, DeviationGoal, Explanation, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
 use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
@@ -44,34 +44,7 @@ pub struct Interval {
 }
 
 impl Discrimination<'_> {
-    /// The outlook of some doubts.
-    pub(super) fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
-        let all = together(self.investigation.problem.total(), planned);
-        let mut absorbed = self.free(doubts, &all).into_iter();
-        let outlook = |k: &usize| match &self.contests[*k] {
-            Contest::Absorbed { subject, .. } => {
-                self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
-            }
-            Contest::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
-            Contest::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
-            Contest::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
-        };
-        doubts.iter().map(outlook).collect()
-    }
-
-    /// Deviations of all parameters of what is claimed, now and with a motion recorded.
-    pub(super) fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
-        let after = self.narrowed(&together(self.investigation.problem.total(), planned));
-        let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
-        groups
-            .map(|group| {
-                let law = ContestedLaw::of(group);
-                (law.subject(), self.intervals_of(&law, &after))
-            })
-            .collect()
-    }
-
-    fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
+    pub(super) fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
         let problem = &self.investigation.problem;
         let ways = [(one, other), (other, one)].map(|(truth, rival)| {
             self.apart(&truth.truth, &rival.rival, &planned.moments, Some(problem.total()))
@@ -82,13 +55,22 @@ impl Discrimination<'_> {
         Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    fn of_indicated(&self, [with, without]: &[Explanation; 2], all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_indicated(
+        &self,
+        [with, without]: &[Explanation; 2],
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
         let [settled, wrongly] = self.claimed(nats);
         Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    fn of_wide(&self, subject: &ContestedLaw, wanted: &DeviationGoal, all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_wide(
+        &self,
+        subject: &Subject,
+        wanted: &DeviationGoal,
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let of_subject = self.intervals_of(subject, &self.narrowed(all));
         let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
         let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
@@ -103,7 +85,12 @@ impl Discrimination<'_> {
     }
 
     /// The outlook of an effect that the present recordings absorb, if all together leave shares of its torque free.
-    fn of_absorbed(&self, subject: &ContestedLaw, free: FreeShares, all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_absorbed(
+        &self,
+        subject: &Subject,
+        free: FreeShares,
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let rows = |j: &usize| all.iter().map(|kind| kind[*j].rows).sum::<f64>();
         let independent = self.share * subject.joints.iter().map(rows).fold(0.0, f64::max);
         let nats = 0.5 * independent * free.of_model.min(free.of_rival).powi(2);
@@ -182,7 +169,7 @@ impl Discrimination<'_> {
     }
 
     /// Shares of the torques of the absorbed ones among doubts that are free in the present recordings and the motion together.
-    fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<FreeShares> {
+    pub(super) fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<FreeShares> {
         let problem = &self.investigation.problem;
         let model = &self.fitted.switches[..];
         let (n, weights) = (model.len(), &self.base_weights[..]);
@@ -198,7 +185,7 @@ impl Discrimination<'_> {
         let mut places = |law: &[Switch]| law.iter().map(&mut place).collect::<Vec<usize>>();
         let mut laws: Vec<(Vec<usize>, Vec<Vec<usize>>)> = Vec::new();
         for doubt in doubts {
-            if let Contest::Absorbed { subject, rivals } = &self.contests[*doubt] {
+            if let Contest::Absorbed(subject, rivals) = &self.contests[*doubt] {
                 laws.push((places(&subject.switches), rivals.iter().map(|rival| places(rival)).collect()));
             }
         }
@@ -213,7 +200,7 @@ impl Discrimination<'_> {
 
     /// The deviations of all coefficients with the motion recorded: those of now, less by what the motion adds to the
     /// information.
-    fn narrowed(&self, all: &[Vec<Moments>; 2]) -> Vec<f64> {
+    pub(super) fn narrowed(&self, all: &[Vec<Moments>; 2]) -> Vec<f64> {
         let fitted = &self.fitted;
         let problem = &self.investigation.problem;
         let switches = &fitted.switches;
@@ -224,7 +211,7 @@ impl Discrimination<'_> {
         fitted.deviations.iter().enumerate().map(|(k, std)| std * ratio(k)).collect()
     }
 
-    fn intervals_of(&self, subject: &ContestedLaw, after: &[f64]) -> Vec<Interval> {
+    pub(super) fn intervals_of(&self, subject: &Subject, after: &[f64]) -> Vec<Interval> {
         let fitted = &self.fitted;
         let candidate = &self.investigation.candidates[subject.candidate];
         let target_only = subject.switches.first().is_some_and(|s| s.target_only);
@@ -237,7 +224,7 @@ impl Discrimination<'_> {
         });
         let narrowed: Vec<_> = narrowed.collect();
         let [now, then] = [&columns, &narrowed].map(|columns| {
-            reported(subject.effect, subject.effect.estimated(&candidate.proposal, columns, &own))
+            reported(candidate.effect, candidate.effect.estimated(&candidate.proposal, columns, &own))
         });
         let interval = |(name, now): (String, crate::ParameterValue)| {
             let then = then.get(&name)?;
@@ -251,7 +238,7 @@ impl Discrimination<'_> {
 
 /// Shares of an effect's torque that are free.
 #[derive(Debug, Clone, Copy, Default)]
-struct FreeShares {
+pub(super) struct FreeShares {
     /// Beside the model.
     of_model: f64,
     /// Beside the model and the rival that takes most of it.
@@ -296,7 +283,7 @@ struct Apart {
 }
 
 /// Moments of the present recordings and of a motion.
-fn together(present: &[Vec<Moments>; 2], planned: &MotionMoments) -> [Vec<Moments>; 2] {
+pub(super) fn together(present: &[Vec<Moments>; 2], planned: &MotionMoments) -> [Vec<Moments>; 2] {
     let mut all = present.clone();
     add(&mut all, &planned.moments);
     all

@@ -360,7 +360,7 @@ impl Search<'_> {
     }
 
     /// The model with a structure taken out.
-    fn without(&self, structure: &Structure, model: &JudgedFit) -> Result<JudgedFit, DriveError> {
+    pub(crate) fn without(&self, structure: &Structure, model: &JudgedFit) -> Result<JudgedFit, DriveError> {
         let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
             let mut a = a.clone();
             structure.remove(&mut a);
@@ -369,28 +369,9 @@ impl Search<'_> {
         self.trial(arm, structure.unselect(&model.selection), &from, self.options)
     }
 
-    /// The model with another structure in the place of one.
-    pub(crate) fn instead(
-        &self,
-        model: &JudgedFit,
-        one: &Structure,
-        other: &Structure,
-    ) -> Result<JudgedFit, DriveError> {
-        let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
-            let mut a = a.clone();
-            one.remove(&mut a);
-            if !other.is_in(&a) {
-                other.add(&mut a, self.fitted);
-            }
-            a
-        });
-        let selection = other.select(&arm, &one.unselect(&model.selection));
-        self.trial(arm, selection, &from, self.options)
-    }
-
     /// The model with a structure, estimated to the end if the first steps lower the cost of the fitted recordings by more than
     /// chance does; none if it cannot be simulated.
-    fn with(&self, structure: &Structure, model: &JudgedFit) -> Option<JudgedFit> {
+    pub(crate) fn with(&self, structure: &Structure, model: &JudgedFit) -> Option<JudgedFit> {
         let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
             let mut arm = a.clone();
             if !structure.is_in(a) {

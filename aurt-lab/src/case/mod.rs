@@ -10,11 +10,9 @@ mod probe;
 mod request;
 mod rough;
 pub(crate) mod servo;
-mod servo_requests;
 mod truth;
 mod world;
 
-pub use conceal::conceal;
 pub(crate) use layout::planned;
 pub use layout::{RecordingSettings, Role};
 pub use make::{Case, make_case};

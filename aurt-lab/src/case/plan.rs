@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::layout::RecordingSettings;
 use super::make::case_type;
 use super::request::CaseRequest;
-use super::servo::effect;
 use crate::{
     effects::{kind, unknown_effects},
     strength::Strength,
@@ -99,15 +98,7 @@ impl Plan {
         SimulationError::refuse_tables(path.as_ref(), text)?;
         let plan: Self =
             toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))?;
-        let known = match plan.requests(0) {
-            Err(SimulationError::UnknownEffect { ref name, .. })
-                if effect::names(true).chain(effect::names(false)).any(|own| own == name) =>
-            {
-                Ok(Vec::new())
-            }
-            known => known,
-        };
-        known.map_err(|error| match error {
+        plan.requests(0).map_err(|error| match error {
             SimulationError::Unreadable { reason, .. } => {
                 SimulationError::Unreadable { path: path.as_ref().into(), reason }
             }

@@ -149,20 +149,7 @@ impl Prove {
     }
 
     fn plan(&self, world: World) -> Result<Plan, Failure> {
-        Ok(match &self.plan {
-            Some(path) => read_plan(path)?,
-            None if self.small => proof::small(world),
-            None => {
-                let mut plan = Plan::small();
-                // The unknown effects of the plan are our own simulator's; others have theirs.
-                if let (World::Mujoco | World::Injected | World::Servo, Some(unknown)) =
-                    (world, &mut plan.unknown_effects)
-                {
-                    unknown.effects.clear();
-                }
-                plan
-            }
-        })
+        if self.small { Ok(proof::small(world)) } else { read_plan(self.plan.as_deref(), world) }
     }
 
     fn learn_from_proofs(&self) -> Result<Report, Failure> {

@@ -7,7 +7,6 @@ use crate::{
     commands::Report,
     product::{Failure, OutputFile},
 };
-use aurt_simulation::SimulationError;
 use clap::Args;
 use serde_json::json;
 
@@ -36,9 +35,8 @@ impl Record {
         let output = OutputFile::new("--out", &self.out, &[&self.truth, &self.motion])?;
         let truth = Truth::read(&self.truth)?;
         if truth.world != World::Servo {
-            let reason =
-                format!("is of the world `{}`, and motions are recorded in `servo`", truth.world.name());
-            return Err(SimulationError::Unreadable { path: self.truth.clone(), reason }.into());
+            let reason = format!("is of the world `{}`", truth.world.name());
+            return Err(Failure::unfit(&self.truth, reason, "name a truth of the world `servo`"));
         }
         output.write(&servo::record(&truth, &self.motion, self.seed)?)?;
         let text = format!("written: {}\n", output.path().display());

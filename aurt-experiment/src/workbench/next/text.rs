@@ -113,7 +113,7 @@ impl Next {
             }
             Doubt::Indicated(s) => json!({"kind": "indicated", "subject": subject(s)}),
             Doubt::Absorbed(s) => json!({"kind": "absorbed", "subject": subject(s)}),
-            Doubt::Wide { subject: s, wanted } => {
+            Doubt::Wide(s, wanted) => {
                 json!({"kind": "wide", "subject": subject(s), "parameter": wanted.parameter, "wanted_std": wanted.std})
             }
             Doubt::Undetermined(names) => json!({"kind": "undetermined", "numbers": names}),
@@ -181,7 +181,7 @@ impl Next {
             Doubt::Indicated(subject) | Doubt::Absorbed(subject) => {
                 format!("{} or nothing", self.named(subject))
             }
-            Doubt::Wide { subject, wanted } => {
+            Doubt::Wide(subject, wanted) => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
             }
             Doubt::Undetermined(names) => format!("open: {}", names.join(" with ")),

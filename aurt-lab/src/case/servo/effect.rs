@@ -116,11 +116,6 @@ pub(super) const EFFECTS: [ServoEffect; 11] = [
     },
 ];
 
-/// The names of effects of this world, of those that have one in verdicts or of the others.
-pub(crate) fn names(in_vocabulary: bool) -> impl Iterator<Item = &'static str> {
-    EFFECTS.iter().filter(move |e| e.in_vocabulary == in_vocabulary).map(|e| e.id)
-}
-
 fn each(arm: &mut ServoArm, factors: &[f64], set: impl Fn(&mut Servo, f64)) {
     arm.servos.iter_mut().zip(factors).for_each(|(servo, factor)| set(servo, *factor));
 }

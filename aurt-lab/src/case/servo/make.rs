@@ -12,7 +12,7 @@ use super::{
     plant::{Recorded, simulate},
 };
 use crate::{
-    case::{Case, CaseRequest, TrueEffect, Truth, World},
+    case::{Case, CaseRequest, CaseType, Plan, SinglePlan, TrueEffect, Truth, World},
     strength::Strength,
 };
 
@@ -34,56 +34,58 @@ const fn wanted_rad(strength: Strength) -> f64 {
         }
 }
 
+/// The cases of a plan, which may name effects of this world alone, in an order that reveals nothing.
+pub(crate) fn requests(plan: &Plan, seed: u64) -> Vec<CaseRequest> {
+    let mut random = Random::labelled(seed, "servo plan");
+    let named = |of: &SinglePlan, in_vocabulary: bool| -> Vec<&'static str> {
+        let own = EFFECTS.iter().filter(|e| e.in_vocabulary == in_vocabulary).map(|e| e.id);
+        own.filter(|id| of.effects.is_empty() || of.effects.iter().any(|name| name == id)).collect()
+    };
+    let request = |effects: &[&str], case_type: CaseType, strength: Strength| CaseRequest {
+        robot: "servo_arm".into(),
+        case_type,
+        effects: effects.iter().map(|id| (*id).to_owned()).collect(),
+        strength,
+    };
+    let mut all = Vec::new();
+    let kinds =
+        [(&plan.singles, true, CaseType::Single), (&plan.unknown_effects, false, CaseType::UnknownEffect)];
+    for (of, in_vocabulary, case_type) in kinds {
+        let Some(of) = of else { continue };
+        for id in named(of, in_vocabulary) {
+            let trials = of.strengths.iter().flat_map(|s| std::iter::repeat_n(*s, of.trials));
+            all.extend(trials.map(|strength| request(&[id], case_type, strength)));
+        }
+    }
+    if let Some(pairs) = &plan.pairs {
+        let mut known = named(&SinglePlan { effects: pairs.effects.clone(), ..SinglePlan::default() }, true);
+        for _ in 0..if known.len() < 2 { 0 } else { pairs.count } {
+            random.shuffle(&mut known);
+            all.push(request(&known[..2], CaseType::Pair, pairs.strength));
+        }
+    }
+    let nulls = plan.nulls.as_ref().map_or(0, |n| n.count);
+    all.extend((0..nulls).map(|_| request(&[], CaseType::Null, Strength::Medium)));
+    random.shuffle(&mut all);
+    all
+}
+
 /// An arm without the effects and with them.
 struct Arms {
+    effects: Vec<&'static ServoEffect>,
+    /// Commands of each recording.
+    streams: Vec<Vec<Vec<f64>>>,
     described: ServoArm,
     truth: ServoArm,
     /// Size and reached strength of each effect, rad by joint.
     reached: Vec<(f64, Vec<f64>)>,
 }
 
-/// What is drawn of a case, and what further draws come from.
-struct Drawn {
-    effects: Vec<&'static ServoEffect>,
-    arms: Arms,
-    /// Commands of each recording.
-    streams: Vec<Vec<Vec<f64>>>,
-    random: Random,
-}
-
-fn drawn(name: &str, ids: &[String], strength: Strength, seed: u64) -> Result<Drawn, SimulationError> {
-    let refuse = |reason: String| SimulationError::unreadable(name, reason);
-    let of = |id: &String| {
-        EFFECTS.iter().find(|e| e.id == *id).ok_or_else(|| refuse(format!("servo arms have no `{id}`")))
-    };
-    let effects = ids.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let mut random = Random::labelled(seed, "servo");
-    let mut drawn = ServoArm::draw(&mut random);
-    effects.iter().for_each(|e| e.without(&mut drawn));
-    let streams: Vec<Vec<Vec<f64>>> = (0..RECORDINGS.0 + RECORDINGS.1)
-        .map(|_| drawn.servos.iter().map(|_| commands(RECORDINGS.2, &mut random)).collect())
-        .collect();
-    let arms = arms(drawn, &effects, strength, &streams[0], &mut random);
-    let arms = arms.map_err(|error| refuse(error.to_string()))?;
-    Ok(Drawn { effects, arms, streams, random })
-}
-
-/// The recording of a motion by the arm of a case, as a table like those of the case.
-pub(crate) fn record(truth: &Truth, motion: &Path, seed: u64) -> Result<Vec<u8>, SimulationError> {
-    let ids: Vec<String> = truth.effects.iter().map(|e| e.effect.clone()).collect();
-    let Drawn { arms, .. } = drawn(&truth.case, &ids, truth.strength, truth.seed)?;
-    let limits = MotionLimits { position_rad: [-1e9, 1e9], velocity_rad_s: 1e9, acceleration_rad_s2: 1e9 };
-    let robot = Robot::of_limits("arm", &vec![limits; arms.truth.servos.len()]);
-    let motion = Motion::Recorded { file: motion.to_owned() }.plan(&robot, seed)?;
-    let mut streams = vec![Vec::new(); robot.joints()];
-    motion.rows(1.0 / STREAM_S, |_, q, _, _| streams.iter_mut().zip(q).for_each(|(s, q)| s.push(*q)))?;
-    let recorded = simulate(&arms.truth, &streams, seed);
-    Ok(table(&recorded.map_err(|error| SimulationError::unreadable(&truth.case, error.to_string()))?))
-}
-
 pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
     let failed = |error: aurt_rbd::RbdError| SimulationError::unreadable(name, error.to_string());
-    let Drawn { effects, arms, streams, mut random } = drawn(name, &request.effects, request.strength, seed)?;
+    let mut random = Random::labelled(seed, "servo");
+    let arms =
+        Arms::draw(&effects(name, &request.effects)?, request.strength, &mut random).map_err(failed)?;
     // The draw is made in every case: what is given says nothing of what is concealed.
     let gains_given = random.chance(GIVEN) || request.effects.iter().any(|e| e == "torque_constant");
     let urdf = arms.described.urdf(&mut random);
@@ -91,7 +93,7 @@ pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case,
         ("experiment.toml".to_owned(), experiment(&arms.described, gains_given).into_bytes()),
         ("robot.urdf".to_owned(), urdf.into_bytes()),
     ];
-    for (k, streams) in streams.iter().enumerate() {
+    for (k, streams) in arms.streams.iter().enumerate() {
         let recorded = simulate(&arms.truth, streams, random.bits()).map_err(failed)?;
         files.push((format!("recording_{}.csv", k + 1), table(&recorded)));
     }
@@ -103,7 +105,12 @@ pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case,
         rotors: Rotors::Geared,
         case_type: request.case_type,
         strength: request.strength,
-        effects: effects.iter().zip(&arms.reached).map(|(e, r)| true_effect(e, r, &arms.truth)).collect(),
+        effects: arms
+            .effects
+            .iter()
+            .zip(&arms.reached)
+            .map(|(e, r)| true_effect(e, r, &arms.truth))
+            .collect(),
         background: Vec::new(),
         reference: None,
         noise_nm: Vec::new(),
@@ -128,32 +135,56 @@ fn true_effect(effect: &ServoEffect, (size, reached): &(f64, Vec<f64>), arm: &Se
     }
 }
 
-/// Puts effects into an arm, each at the size that moves its positions as much as is wanted.
-fn arms(
-    described: ServoArm,
-    effects: &[&ServoEffect],
-    strength: Strength,
-    streams: &[Vec<f64>],
-    random: &mut Random,
-) -> Result<Arms, aurt_rbd::RbdError> {
-    let (mut truth, mut reached) = (described.clone(), Vec::new());
-    let still = simulate(&described, streams, 0)?;
-    for effect in effects {
-        let factors = factors(described.servos.len(), random);
-        let moved = |size: f64| -> Result<Vec<f64>, aurt_rbd::RbdError> {
-            Ok(apart(&simulate(&effect.on(&described, size, &factors), streams, 0)?, &still))
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let most = moved(effect.size(middle))?.into_iter().fold(0.0, f64::max);
-            if most < wanted_rad(strength) { low = middle } else { high = middle }
+impl Arms {
+    /// Draws an arm and puts effects into it, each at the size that moves its positions as much as is wanted.
+    fn draw(
+        effects: &[&'static ServoEffect],
+        strength: Strength,
+        random: &mut Random,
+    ) -> Result<Self, aurt_rbd::RbdError> {
+        let mut described = ServoArm::draw(random);
+        effects.iter().for_each(|e| e.without(&mut described));
+        let streams: Vec<Vec<Vec<f64>>> = (0..RECORDINGS.0 + RECORDINGS.1)
+            .map(|_| described.servos.iter().map(|_| commands(RECORDINGS.2, random)).collect())
+            .collect();
+        let (mut truth, mut reached) = (described.clone(), Vec::new());
+        let still = simulate(&described, &streams[0], 0)?;
+        for effect in effects {
+            let factors = factors(described.servos.len(), random);
+            let moved = |size: f64| -> Result<Vec<f64>, aurt_rbd::RbdError> {
+                Ok(apart(&simulate(&effect.on(&described, size, &factors), &streams[0], 0)?, &still))
+            };
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                let most = moved(effect.size(middle))?.into_iter().fold(0.0, f64::max);
+                if most < wanted_rad(strength) { low = middle } else { high = middle }
+            }
+            let size = effect.size(0.5 * (low + high));
+            truth = effect.on(&truth, size, &factors);
+            reached.push((size, moved(size)?));
         }
-        let size = effect.size(0.5 * (low + high));
-        truth = effect.on(&truth, size, &factors);
-        reached.push((size, moved(size)?));
+        Ok(Self { effects: effects.to_vec(), streams, described, truth, reached })
     }
-    Ok(Arms { described, truth, reached })
+}
+
+fn effects(name: &str, ids: &[String]) -> Result<Vec<&'static ServoEffect>, SimulationError> {
+    let unknown = |id: &String| SimulationError::unreadable(name, format!("servo arms have no `{id}`"));
+    ids.iter().map(|id| EFFECTS.iter().find(|e| e.id == *id).ok_or_else(|| unknown(id))).collect()
+}
+
+/// The recording of a motion by the arm of a case, as a table like those of the case.
+pub(crate) fn record(truth: &Truth, motion: &Path, seed: u64) -> Result<Vec<u8>, SimulationError> {
+    let failed = |error: aurt_rbd::RbdError| SimulationError::unreadable(&truth.case, error.to_string());
+    let ids: Vec<String> = truth.effects.iter().map(|e| e.effect.clone()).collect();
+    let mut random = Random::labelled(truth.seed, "servo");
+    let arms = Arms::draw(&effects(&truth.case, &ids)?, truth.strength, &mut random).map_err(failed)?;
+    let limits = MotionLimits { position_rad: [-1e9, 1e9], velocity_rad_s: 1e9, acceleration_rad_s2: 1e9 };
+    let robot = Robot::of_limits("arm", &vec![limits; arms.truth.servos.len()]);
+    let motion = Motion::Recorded { file: motion.to_owned() }.plan(&robot, seed)?;
+    let mut streams = vec![Vec::new(); robot.joints()];
+    motion.rows(1.0 / STREAM_S, |_, q, _, _| streams.iter_mut().zip(q).for_each(|(s, q)| s.push(*q)))?;
+    Ok(table(&simulate(&arms.truth, &streams, seed).map_err(failed)?))
 }
 
 /// Root mean square of the difference of two recordings, rad by joint.
@@ -222,14 +253,28 @@ fn table(recorded: &Recorded) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        case::{CaseType, Plan},
-        score::leaks,
-    };
+    use crate::score::leaks;
 
     fn request(effects: &[&str], case_type: CaseType) -> CaseRequest {
         let effects = effects.iter().map(|e| (*e).to_owned()).collect();
         CaseRequest { robot: "servo_arm".into(), case_type, effects, strength: Strength::Medium }
+    }
+
+    #[test]
+    fn plans_ask_for_every_effect_at_every_strength() {
+        let all = requests(
+            &Plan::parse("[singles]\n[unknown_effects]\n[nulls]\ncount = 3", "plan.toml").unwrap(),
+            5,
+        );
+        assert_eq!(all.len(), 3 * EFFECTS.len() + 3);
+        let nameless = |r: &&CaseRequest| r.case_type == CaseType::UnknownEffect;
+        assert!(all.iter().filter(nameless).all(|r| ["backlash", "supply_sag"].contains(&&*r.effects[0])));
+        let pairs =
+            Plan::parse("[singles]\neffects = [\"stribeck\"]\n[pairs]\ncount = 4", "plan.toml").unwrap();
+        let all = requests(&pairs, 5);
+        assert_eq!(all.iter().filter(|r| r.case_type == CaseType::Single).count(), 3);
+        let mut two = all.iter().filter(|r| r.case_type == CaseType::Pair).map(|r| &r.effects);
+        assert!(two.all(|e| e.len() == 2 && e[0] != e[1]));
     }
 
     #[test]

@@ -5,9 +5,9 @@
 //! point, and a description whose masses are slightly wrong.
 
 mod arm;
-pub(super) mod effect;
+mod effect;
 mod make;
 mod motion;
 mod plant;
 
-pub(crate) use make::{make, record};
+pub(crate) use make::{make, record, requests};
