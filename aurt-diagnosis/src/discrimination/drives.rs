@@ -25,8 +25,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::{DeviationGoal, Discriminator, Doubt, Interval, Outlook, Subject};
 use crate::drives::{
-    Answer, BlockApart, Diagnosis, Foresight, JudgedFit, Missed, Objection, STRUCTURES, Search, Structure,
-    seconds,
+    Answer, BlockApart, ContestedStructure, Diagnosis, Foresight, JudgedFit, Missed, Objection, STRUCTURES,
+    Search, Structure, seconds,
 };
 use crate::error::DiagnosisError;
 
@@ -53,22 +53,19 @@ pub struct DriveDiscrimination<'a> {
     doubts: Vec<Doubt>,
 }
 
-/// What a doubt is between, by places in [`DriveDiscrimination::ways`].
+/// What a doubt is between.
 #[derive(Debug)]
 enum ModelContest {
-    Rivals([usize; 2]),
-    /// A structure that may be there, with what it must bring, and of a small one the model that has it.
-    There {
-        way: usize,
-        level: f64,
-        structure: Structure,
-        small: Option<usize>,
-    },
+    /// Places of true models with their rivals, the level of the test, and a structure that may be there: what it must bring.
+    Models(Vec<usize>, f64, Option<Demanded>),
     /// A direction in units of what was known beforehand.
     Direction(DVector<f64>),
     /// A number of the improved model.
     Number(usize, f64),
 }
+
+/// A structure that may be there; a small one, whose numbers must be larger, with the model that has it.
+type Demanded = (Structure, Option<usize>);
 
 /// Rollouts of all models over motions of commands.
 #[derive(Debug, Clone, Default)]
@@ -120,18 +117,18 @@ impl<'a> DriveDiscrimination<'a> {
                 let without = search.without(&finding.structure, &diagnosis.model)?;
                 let Some(rival) = search.with(other, &without) else { continue };
                 let rival = own.add(rival, true);
-                let ways = [[0, rival], [rival, 0]].map(|way| own.way(way));
+                let ways = [[0, rival], [rival, 0]].map(|way| own.way(way)).to_vec();
                 let [claimed, rival] = [finding.structure.id, other.id].map(whole_arm);
-                own.push(ModelContest::Rivals(ways), Doubt::Rivals { claimed, rival });
+                let contest = ModelContest::Models(ways, diagnosis.demands.level, None);
+                own.push(contest, Doubt::Rivals { claimed, rival });
             }
         }
-        for contested in &diagnosis.contested {
-            let is_small = contested.objection == Objection::Size;
-            let other = own.add(contested.rival.clone(), is_small || !contested.is_absent);
-            let [with, without] = if contested.is_absent { [other, 0] } else { [0, other] };
-            let (level, structure) = (contested.level, contested.structure);
-            let small = is_small.then_some(with);
-            let contest = ModelContest::There { way: own.way([with, without]), level, structure, small };
+        for ContestedStructure { structure, objection, rival, is_absent, level } in &diagnosis.contested {
+            let is_small = *objection == Objection::Size;
+            let other = own.add(rival.clone(), is_small || !is_absent);
+            let way = if *is_absent { [other, 0] } else { [0, other] };
+            let demanded = Some((*structure, is_small.then_some(way[0])));
+            let contest = ModelContest::Models(vec![own.way(way)], *level, demanded);
             own.push(contest, Doubt::Indicated(whole_arm(structure.id)));
         }
         own.add_numbers(wanted);
@@ -282,23 +279,33 @@ impl<'a> DriveDiscrimination<'a> {
         Interval { parameter: number.name.clone(), value: json!(number.value), now, after }
     }
 
-    fn of_structure(
+    fn of_models(
         &self,
-        (way, level, structure, small): (usize, f64, &Structure, Option<usize>),
+        ways: &[usize],
+        level: f64,
+        demanded: Option<&Demanded>,
         planned: &DriveMoments,
     ) -> Outlook {
-        let (foresight, free) = self.foreseen(way, level, planned);
-        let is_enough = foresight.reduction >= self.diagnosis.demands.reduction;
-        // A number of it must lie two deviations from nothing.
-        let sized = small.map_or(1.0, |model| {
-            let numbers = self.models[model].fit.numbers.iter().zip(self.narrowed(model, planned));
+        let mut all = outlook(1.0, 0.0, f64::INFINITY, f64::INFINITY);
+        for (Foresight { rightly, wrongly, deviations, reduction }, free) in
+            ways.iter().map(|way| self.foreseen(*way, level, planned))
+        {
+            let is_enough = demanded.is_none() || reduction >= self.diagnosis.demands.reduction;
+            let own = outlook(if is_enough { rightly } else { 0.0 }, wrongly, deviations, free);
+            all.settled = all.settled.min(own.settled);
+            all.wrongly = all.wrongly.max(own.wrongly);
+            all.evidence = all.evidence.min(own.evidence);
+            all.free = all.free.min(own.free);
+        }
+        // A number of a structure must lie two deviations from nothing.
+        if let Some((structure, Some(model))) = demanded {
+            let numbers = self.models[*model].fit.numbers.iter().zip(self.narrowed(*model, planned));
             let own = numbers.filter(|(n, _)| structure.has(&n.name));
             let from = |start: f64| structure.neutral().unwrap_or(start);
             let far = own.map(|(n, [_, std])| (n.value - from(n.start)).abs() / std.max(f64::MIN_POSITIVE));
-            Normal::standard().cdf(far.fold(0.0, f64::max) - 2.0)
-        });
-        let settled = if is_enough { foresight.rightly.min(sized) } else { 0.0 };
-        outlook(settled, level, foresight.deviations, free)
+            all.settled = all.settled.min(Normal::standard().cdf(far.fold(0.0, f64::max) - 2.0));
+        }
+        all
     }
 
     fn of_direction(&self, direction: &DVector<f64>, planned: &DriveMoments) -> Outlook {
@@ -393,15 +400,8 @@ impl Discriminator for DriveDiscrimination<'_> {
 
     fn outlook_of(&self, doubts: &[usize], planned: &DriveMoments) -> Vec<Outlook> {
         let of = |k: &usize| match &self.contests[*k] {
-            ModelContest::Rivals(ways) => {
-                let level = self.diagnosis.demands.level;
-                let [one, other] = ways.map(|way| self.foreseen(way, level, planned));
-                let deviations = one.0.deviations.min(other.0.deviations);
-                let settled = one.0.rightly.min(other.0.rightly);
-                outlook(settled, one.0.wrongly.max(other.0.wrongly), deviations, one.1.min(other.1))
-            }
-            ModelContest::There { way, level, structure, small } => {
-                self.of_structure((*way, *level, structure, *small), planned)
+            ModelContest::Models(ways, level, demanded) => {
+                self.of_models(ways, *level, demanded.as_ref(), planned)
             }
             ModelContest::Direction(direction) => self.of_direction(direction, planned),
             ModelContest::Number(k, wanted) => {
