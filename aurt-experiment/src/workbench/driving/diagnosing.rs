@@ -47,7 +47,7 @@ impl<'e> DiagnosedSetting<'e> {
         without: &[String],
         progress: &Progress,
     ) -> Result<Self, Failure> {
-        let mut setting = Setting::of(experiment)?;
+        Setting::of(experiment)?;
         if let Some(target) = experiment.recordings.target.first() {
             let reason = format!(
                 "{} is a target; positions of servo arms are not compared between recordings",
@@ -57,7 +57,7 @@ impl<'e> DiagnosedSetting<'e> {
             return Err(Failure::unfit(&experiment.path, reason, remedy));
         }
         let SelectionOptions { level, reduction, .. } = selection(experiment)?;
-        setting.read(progress)?;
+        let setting = Setting::read(experiment, progress)?;
         let parts = setting.parts();
         let [fitted, held_out] = &parts;
         let demands = Demands { level, reduction, without: without.to_vec() };

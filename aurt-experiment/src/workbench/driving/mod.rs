@@ -121,8 +121,7 @@ const REMEDY: &str = "look at the recording's command and position, and at [driv
 
 /// Estimates the drives of an experiment, and rolls out all its recordings.
 pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let mut setting = Setting::of(experiment)?;
-    setting.read(progress)?;
+    let setting = Setting::read(experiment, progress)?;
     progress.step("simulating the closed loop");
     let [fitted, _] = setting.parts();
     let (options, recordings, mut notes) = (&setting.options, &setting.recordings, setting.notes.clone());
