@@ -90,19 +90,7 @@ fn a_point_that_fails_is_recorded_and_the_others_go_on() {
 }
 
 /// An `sbatch` that runs the elements of the array one after the other, except those that a file names.
-const SBATCH: &str = r#"#!/bin/sh
-for argument; do
-    case "$argument" in --array=*) array="${argument#--array=}" ;; esac
-    [ "$argument" = --wrap ] && wrap=next || { [ "$wrap" = next ] && wrap="$argument"; }
-done
-echo "$@" >>"$(dirname "$0")/asked"
-for range in $(echo "$array" | tr , ' '); do
-    for task in $(seq "${range%-*}" "${range#*-}"); do
-        grep -qx "$task" "$(dirname "$0")/lost" || SLURM_ARRAY_TASK_ID="$task" sh -c "$wrap" >/dev/null
-    done
-done
-echo "41;cluster"
-"#;
+const SBATCH: &str = include_str!("files/sbatch.sh");
 
 #[test]
 #[cfg(unix)]

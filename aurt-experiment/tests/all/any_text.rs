@@ -9,27 +9,7 @@ use proptest::{prelude::*, sample::Index};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-const TEXT: &str = r#"schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0, 0, -9.81]
-[joint_dynamics]
-coulomb = { model = "square" }
-viscous = { model = "polynomial", powers = [1, 2, 3] }
-[[joint_dynamics.override]]
-joints = [1]
-hysteresis.model = "dahl"
-[[arm_terms]]
-model = "spring"
-[instrument]
-gains = [1.0, 2.0]
-[recordings]
-calibration = [{ file = "ä.csv", window_s = [0.0, 30.0], columns = { time = "t", position = [1, 2] } }]
-[calibration]
-estimator = "wls"
-[sweep]
-x = 2024-01-01
-"#;
+const TEXT: &str = include_str!("experiments/any.toml");
 
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<TempDir> = OnceLock::new();

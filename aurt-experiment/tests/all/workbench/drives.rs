@@ -18,22 +18,7 @@ use aurt_plugins::Registry;
 use aurt_recording::{AngleUnit, RecordedAs};
 use aurt_traits::CommandSignal;
 
-pub(super) const EXPERIMENT: &str = r#"schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, 0.0, -9.81]
-[drive]
-model = "position_servo"
-estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]
-gain_nm_per_rad = 10.0
-back_emf_nm_s_per_rad = 0.5
-delay_s = 0.02
-coulomb_nm = 0.1
-position_deviation_rad = 1e-3
-[recordings]
-calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-validation = [{ file = "b.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-"#;
+pub(super) const EXPERIMENT: &str = include_str!("servo.toml");
 
 fn read(folder: &Path, text: &str) -> Experiment {
     Experiment::parse(text, &folder.join("experiment.toml"), &mut Registry::linked().unwrap()).unwrap()
