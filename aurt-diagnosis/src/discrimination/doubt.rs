@@ -46,8 +46,6 @@ pub enum Doubt {
     Absorbed(Subject),
     /// A parameter of a claim, or of a structure, is known less well than is wanted.
     Wide(Subject, DeviationGoal),
-    /// Numbers of drives that change together, along which recordings say less than was known beforehand.
-    Undetermined(Vec<String>),
 }
 
 /// Explanations of the recordings that a doubt is between.
@@ -95,12 +93,6 @@ impl ModelFit {
 }
 
 impl Doubt {
-    /// True of those that count as one doubt together: nobody knows whether any of what is absorbed is there, and numbers that
-    /// are open were not asked for.
-    pub fn is_one_of_many(&self) -> bool {
-        matches!(self, Self::Absorbed(_) | Self::Undetermined(_))
-    }
-
     /// The candidates that it is about.
     pub(super) fn candidates(&self) -> Vec<usize> {
         match self {
@@ -108,7 +100,6 @@ impl Doubt {
             Self::Indicated(subject) | Self::Absorbed(subject) | Self::Wide(subject, _) => {
                 vec![subject.candidate]
             }
-            Self::Undetermined(_) => Vec::new(),
         }
     }
 }

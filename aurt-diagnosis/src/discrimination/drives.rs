@@ -15,7 +15,7 @@
 use std::sync::Arc;
 
 use aurt_calibration::drives::{
-    DriveError, DriveRecording, EstimatedNumber, Options, OutputErrorFit, Undetermined, loss, slopes, stem,
+    DriveError, DriveRecording, EstimatedNumber, Options, OutputErrorFit, loss, slopes, stem,
 };
 use aurt_recording::Recording;
 use nalgebra::{DMatrix, DVector};
@@ -32,8 +32,6 @@ use crate::error::DiagnosisError;
 
 /// Samples of a block at which rollouts are compared: what two models of servos differ by lasts a tenth of a second.
 const SAMPLES: f64 = 20.0;
-/// What is known beforehand where recordings speak alone.
-const ALONE: f64 = 1e-9;
 /// Time in which the arm comes to rest at the first command, s.
 const SETTLES_S: f64 = 1.0;
 
@@ -58,8 +56,6 @@ pub struct DriveDiscrimination<'a> {
 enum ModelContest {
     /// Places of true models with their rivals, the level of the test, and a structure that may be there: what it must bring.
     Models(Vec<usize>, f64, Option<Demanded>),
-    /// A direction in units of what was known beforehand.
-    Direction(DVector<f64>),
     /// A number of the improved model.
     Number(usize, f64),
 }
@@ -155,7 +151,6 @@ impl<'a> DriveDiscrimination<'a> {
         self.doubts.push(doubt);
     }
 
-    /// Numbers that are wanted narrower, and directions that are open.
     fn add_numbers(&mut self, wanted: &[DeviationGoal]) {
         let fit = &self.diagnosis.improved;
         for goal in wanted {
@@ -164,12 +159,6 @@ impl<'a> DriveDiscrimination<'a> {
                 let goal = DeviationGoal { parameter: stem(&number.name).to_owned(), std: goal.std };
                 self.push(ModelContest::Number(k, goal.std), Doubt::Wide(subject_of(&number.name), goal));
             }
-        }
-        for Undetermined { names, changes, .. } in &fit.undetermined {
-            let change = |name: &String| names.iter().position(|n| n == name).map_or(0.0, |k| changes[k]);
-            let all = fit.numbers.iter().map(|n| change(&n.name));
-            let direction = DVector::from_iterator(fit.numbers.len(), all).normalize();
-            self.push(ModelContest::Direction(direction), Doubt::Undetermined(names.clone()));
         }
     }
 
@@ -225,7 +214,7 @@ impl<'a> DriveDiscrimination<'a> {
     fn foreseen(&self, way: usize, level: f64, planned: &DriveMoments) -> (Foresight, f64) {
         let [truth, rival] = self.ways[way].map(|k| &self.models[k]);
         let fit = &rival.fit;
-        let mut curvature = known(fit, 1.0);
+        let mut curvature = known(fit);
         let mut pull = DVector::zeros(fit.numbers.len());
         for part in &planned.parts {
             let (_, information, own) = &part.ways[way];
@@ -251,18 +240,14 @@ impl<'a> DriveDiscrimination<'a> {
         (foresight, (squares / count.max(1) as f64).sqrt())
     }
 
-    /// The information of the present recordings and of a motion on a model's numbers, with so much known beforehand.
-    fn information(&self, model: usize, planned: &[Arc<MotionRollouts>], beforehand: f64) -> DMatrix<f64> {
-        let mut sum = known(&self.models[model].fit, beforehand);
-        planned.iter().filter_map(|part| part.slopes[model].as_ref()).for_each(|(_, gram)| sum += gram);
-        sum
-    }
-
     /// The deviations of a model's numbers with a motion recorded: what numbers that are given may be off stays.
     fn narrowed(&self, model: usize, planned: &DriveMoments) -> Vec<[f64; 2]> {
         let fit = &self.models[model].fit;
         let [now, then] = [&[][..], &planned.parts].map(|parts| {
-            let inverse = self.information(model, parts, 1.0).cholesky().map(|c| c.inverse().diagonal());
+            let mut information = known(fit);
+            let grams = parts.iter().filter_map(|part| part.slopes[model].as_ref());
+            grams.for_each(|(_, gram)| information += gram);
+            let inverse = information.cholesky().map(|c| c.inverse().diagonal());
             inverse.unwrap_or_else(|| DVector::from_element(fit.numbers.len(), 1.0))
         });
         let wide = if model == 0 { &self.diagnosis.improved.numbers } else { &fit.numbers };
@@ -307,13 +292,6 @@ impl<'a> DriveDiscrimination<'a> {
         }
         all
     }
-
-    fn of_direction(&self, direction: &DVector<f64>, planned: &DriveMoments) -> Outlook {
-        let information = self.information(0, &planned.parts, ALONE);
-        let variance = direction.dot(&solved(information, direction, &self.models[0].fit));
-        let ratio = if variance > 0.0 { variance.recip().sqrt() } else { 0.0 };
-        outlook(ratio.min(1.0), 0.0, ratio, ratio)
-    }
 }
 
 fn outlook(settled: f64, wrongly: f64, deviations: f64, free: f64) -> Outlook {
@@ -321,9 +299,9 @@ fn outlook(settled: f64, wrongly: f64, deviations: f64, free: f64) -> Outlook {
     Outlook { nats: None, settled, wrongly, evidence, free, interval: None }
 }
 
-/// The information of the present recordings, with so much known beforehand.
-fn known(fit: &OutputErrorFit, beforehand: f64) -> DMatrix<f64> {
-    &fit.information + DMatrix::identity(fit.numbers.len(), fit.numbers.len()) * beforehand
+/// The information of the present recordings and of what was known beforehand.
+fn known(fit: &OutputErrorFit) -> DMatrix<f64> {
+    &fit.information + DMatrix::identity(fit.numbers.len(), fit.numbers.len())
 }
 
 /// The solution of normal equations in which numbers at a bound stay.
@@ -403,7 +381,6 @@ impl Discriminator for DriveDiscrimination<'_> {
             ModelContest::Models(ways, level, demanded) => {
                 self.of_models(ways, *level, demanded.as_ref(), planned)
             }
-            ModelContest::Direction(direction) => self.of_direction(direction, planned),
             ModelContest::Number(k, wanted) => {
                 let interval = self.interval(*k, self.narrowed(0, planned)[*k]);
                 let ratio = wanted / interval.after;

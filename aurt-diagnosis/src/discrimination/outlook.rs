@@ -24,7 +24,7 @@ pub struct Outlook {
     /// deviation to that which is left. Other than a probability it still grows where the doubt is all but settled.
     pub evidence: f64,
     /// Share of the torque that the other explanation, or the model, cannot take up; of positions its root mean square in units of
-    /// what a model is expected to miss, of an open direction the inverse of its deviation in units of what was known beforehand.
+    /// what a model is expected to miss.
     pub free: f64,
     /// The parameter in question, now and after the motion.
     pub interval: Option<Interval>,

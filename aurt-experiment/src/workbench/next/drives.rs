@@ -7,7 +7,7 @@ use aurt_traits::{Command, MeasurementUnit, RobotNames};
 
 use super::keep_out::KeepOutCheck;
 use super::limits::{JointMotion, limits_of};
-use super::{Next, NextOptions, Planner, Surroundings, rate_hz};
+use super::{Next, NextOptions, PlannedArm, Planner, rate_hz};
 use crate::Experiment;
 use crate::workbench::driving::DiagnosedSetting;
 use crate::workbench::failure::Failure;
@@ -43,13 +43,9 @@ pub(super) fn plan(
     let names = RobotNames::of_joints(&experiment.robot.joint_names);
     let recordings: Vec<&DriveRecording> = fitted.iter().chain(held_out).collect();
     let joints = recordings.first().map_or(0, |r| r.command.len());
-    let (limits, mut notes) = match options.given_limits(joints)? {
-        Some(limits) => (limits, Vec::new()),
-        None => {
-            let shown = "positions, speeds and accelerations of the commands";
-            limits_of((0..joints).map(|j| commanded(&recordings, j)).collect(), names, shown)
-        }
-    };
+    let shown = "positions, speeds and accelerations of the commands";
+    let motions = (0..joints).map(|j| commanded(&recordings, j)).collect();
+    let (limits, mut notes) = limits_of(options, motions, names, shown)?;
     notes.push(
         "record this motion twice: list one recording under `calibration` and one under `validation`".into(),
     );
@@ -58,7 +54,7 @@ pub(super) fn plan(
         let pairs = r.position_rad[j].iter().zip(&r.command[j]);
         pairs.fold(0.0_f64, |most, (q, c)| most.max((q - c).abs()))
     };
-    let surroundings = Surroundings {
+    let arm = PlannedArm {
         joint_names: experiment.robot.joint_names.clone(),
         limits,
         rate_hz: rate_hz(recordings.first().map_or(&[][..], |r| &r.time_s)),
@@ -74,7 +70,7 @@ pub(super) fn plan(
     let doubts =
         DriveDiscrimination::new(&asked.found, [fitted, held_out], &options.wanted, options.duration_s);
     let doubts = doubts.map_err(aurt_diagnosis::DiagnosisError::from).map_err(aurt::Error::from)?;
-    Planner { discrimination: &doubts, options, check, surroundings }.plan(progress)
+    Planner { discrimination: &doubts, options, check, arm }.plan(progress)
 }
 
 /// Where the commands of a joint were, how fast they were and how much their speeds changed, each over [`OVER_S`]: a command that

@@ -1,4 +1,4 @@
-use aurt_diagnosis::discrimination::{Discriminator, Outlook};
+use aurt_diagnosis::discrimination::{Discriminator, Doubt, Outlook};
 use aurt_simulation::{Robot, Trajectory};
 use rayon::prelude::*;
 
@@ -14,15 +14,16 @@ pub(super) struct Exchange<'e, D: Discriminator> {
 }
 
 impl<D: Discriminator> Exchange<'_, D> {
-    /// The expected number of settled doubts, and the evidence where all are as good as settled.
+    /// The expected number of settled doubts, and the evidence where all are as good as settled. Nobody knows whether any of the
+    /// absorbed effects is there: together they count as one doubt.
     fn value(&self, motion: &D::Planned) -> f64 {
         let Planner { discrimination, .. } = self.planner;
-        let is_one_of_many = |k: &usize| discrimination.doubts()[*k].is_one_of_many();
-        let many = self.open.iter().filter(|k| is_one_of_many(k)).count().max(1) as f64;
+        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed(_));
+        let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
         let outlook = discrimination.outlook_of(self.open, motion);
         let worth = |(k, o): (&usize, &Outlook)| {
             let settled = o.settled + NO_DOUBT * o.evidence.max(f64::MIN_POSITIVE).ln();
-            if is_one_of_many(k) { settled / many } else { settled }
+            if is_absorbed(k) { settled / absorbed } else { settled }
         };
         self.open.iter().zip(&outlook).map(worth).sum()
     }
@@ -35,7 +36,7 @@ impl<D: Discriminator> Exchange<'_, D> {
     ) -> Result<(Vec<usize>, Trajectory, D::Planned), Failure> {
         let chosen = self.exchanged();
         let trajectory = self.sequence(&chosen);
-        if !self.planner.surroundings.is_of_drives {
+        if !self.planner.arm.is_of_drives {
             trajectory.check(&self.robot)?;
         }
         let planned = self.planner.moments(&trajectory)?;

@@ -3,6 +3,9 @@
 use aurt_simulation::MotionLimits;
 use aurt_traits::RobotNames;
 
+use super::NextOptions;
+use crate::workbench::failure::Failure;
+
 /// A joint that never moved may turn within this, rad, and at this speed, rad/s: nothing says that it may move farther.
 const STANDING: [f64; 2] = [0.005, 0.02];
 /// Time to the full speed of such a joint, s.
@@ -11,12 +14,21 @@ const TO_FULL_SPEED_S: f64 = 0.5;
 /// Where a joint has been, its largest speed and its largest acceleration.
 pub(super) type JointMotion = ([f64; 2], f64, f64);
 
-/// Limits by joint, and what to note of them.
+/// Limits by joint: those that were given, or what recordings show of their motions; and what to note of them.
 pub(super) fn limits_of(
+    options: &NextOptions,
     joints: Vec<JointMotion>,
     names: RobotNames<'_>,
     shown: &str,
-) -> (Vec<MotionLimits>, Vec<String>) {
+) -> Result<(Vec<MotionLimits>, Vec<String>), Failure> {
+    match &options.limits {
+        Some(limits) if limits.len() == joints.len() => return Ok((limits.clone(), Vec::new())),
+        Some(limits) => {
+            let reason = format!("has limits of {} joints, the robot has {}", limits.len(), joints.len());
+            return Err(Failure::argument("--limits", reason, "write a row for each joint"));
+        }
+        None => {}
+    }
     let mut standing = Vec::new();
     let mut of_joint =
         |(j, (mut range, mut velocity_rad_s, mut acceleration_rad_s2)): (usize, JointMotion)| {
@@ -34,5 +46,5 @@ pub(super) fn limits_of(
     if !standing.is_empty() {
         notes.push(format!("never moved, and hardly moved in the plan: {}", names.joint_list(&standing)));
     }
-    (limits, notes)
+    Ok((limits, notes))
 }

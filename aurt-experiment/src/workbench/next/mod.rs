@@ -133,8 +133,8 @@ pub fn plan_next(
         progress,
         |question, investigation, registry| {
             let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
-            let surroundings = torques::surroundings(question, options)?;
-            Planner { discrimination: &doubts, options, check: check.as_ref(), surroundings }.plan(progress)
+            let arm = torques::planned_arm(question, options)?;
+            Planner { discrimination: &doubts, options, check: check.as_ref(), arm }.plan(progress)
         },
     )
 }
@@ -161,7 +161,7 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
 }
 
 /// What is known of an arm and its recordings.
-struct Surroundings<'a> {
+struct PlannedArm<'a> {
     joint_names: Vec<String>,
     limits: Vec<MotionLimits>,
     /// Rows per second of the recordings.
@@ -184,7 +184,7 @@ struct Planner<'a, D: Discriminator> {
     discrimination: &'a D,
     options: &'a NextOptions,
     check: Option<&'a KeepOutCheck>,
-    surroundings: Surroundings<'a>,
+    arm: PlannedArm<'a>,
 }
 
 struct Piece<M> {
@@ -205,23 +205,11 @@ fn step_limits(limits: &MotionLimits, most_rad: f64, rate_hz: f64) -> MotionLimi
     }
 }
 
-impl NextOptions {
-    /// The limits that were given, for so many joints.
-    fn given_limits(&self, joints: usize) -> Result<Option<Vec<MotionLimits>>, Failure> {
-        let Some(limits) = &self.limits else { return Ok(None) };
-        if limits.len() != joints {
-            let reason = format!("has limits of {} joints, the robot has {joints}", limits.len());
-            return Err(Failure::argument("--limits", reason, "write a row for each joint"));
-        }
-        Ok(Some(limits.clone()))
-    }
-}
-
 impl<D: Discriminator> Planner<'_, D> {
     /// The arm with the limits of ways between pieces.
     fn on_ways(&self) -> Robot {
-        let mut limits = self.surroundings.limits.clone();
-        for own in limits.iter_mut().filter(|_| self.surroundings.is_of_drives) {
+        let mut limits = self.arm.limits.clone();
+        for own in limits.iter_mut().filter(|_| self.arm.is_of_drives) {
             own.velocity_rad_s = own.velocity_rad_s.min(WAY_LIMITS[0]);
             own.acceleration_rad_s2 = own.acceleration_rad_s2.min(WAY_LIMITS[1]);
         }
@@ -230,7 +218,7 @@ impl<D: Discriminator> Planner<'_, D> {
 
     fn plan(self, progress: &Progress) -> Result<Next, Failure> {
         let doubts = self.discrimination.doubts();
-        let Surroundings { joint_names, rate_hz, is_of_drives, notes, .. } = &self.surroundings;
+        let PlannedArm { joint_names, rate_hz, is_of_drives, notes, .. } = &self.arm;
         let mut next = Next {
             motion: None,
             open: Vec::new(),
@@ -286,7 +274,7 @@ impl<D: Discriminator> Planner<'_, D> {
             })
             .collect();
         next.intervals = self.discrimination.intervals(&planned);
-        let largest = self.discrimination.largest(&planned).iter().zip(&self.surroundings.recorded);
+        let largest = self.discrimination.largest(&planned).iter().zip(&self.arm.recorded);
         let largest = largest.map(|(planned, recorded)| [*planned, *recorded]).collect();
         let words = chosen.iter().map(|k| pieces[*k].words.clone()).collect();
         next.motion = Some(Plan { trajectory, pieces: words, largest });
@@ -296,8 +284,7 @@ impl<D: Discriminator> Planner<'_, D> {
     /// Draws pieces whose torques were seen before; a multi-sine made without knowing what is open is the first of them.
     fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece<D::Planned>>, Failure> {
         let robot = self.on_ways();
-        let ends =
-            |k: usize| self.surroundings.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
+        let ends = |k: usize| self.arm.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         // So long that a number of them and the ways between them fill the motion.
         let piece_s = |count: usize| {
@@ -341,15 +328,14 @@ impl<D: Discriminator> Planner<'_, D> {
         });
         let pieces = evaluated.collect::<Result<Vec<_>, Failure>>()?.into_iter().flatten();
         let is_safe = |piece: &Piece<D::Planned>| {
-            let mut largest =
-                self.discrimination.largest(&piece.planned).iter().zip(&self.surroundings.recorded);
+            let mut largest = self.discrimination.largest(&piece.planned).iter().zip(&self.arm.recorded);
             self.options.limits.is_some() || largest.all(|(planned, most)| planned <= most)
         };
         let safe: Vec<Piece<D::Planned>> = pieces.filter(is_safe).collect();
         if safe.is_empty() {
             return Err(Failure::argument(
                 "--limits",
-                if self.surroundings.is_of_drives {
+                if self.arm.is_of_drives {
                     "in no motion that was tried the joints are as near to their commands as in the recordings"
                 } else {
                     "no motion that was tried needs torques as small as the recorded ones"
@@ -374,27 +360,21 @@ impl<D: Discriminator> Planner<'_, D> {
             let from = random.between(low, high - width);
             MotionLimits { position_rad: [from, from + width], ..*limits }
         };
-        let limits: Vec<MotionLimits> =
-            self.surroundings.limits.iter().map(|limits| within(limits, random)).collect();
-        let Surroundings { is_of_drives, recorded, rate_hz, .. } = &self.surroundings;
+        let mut limits: Vec<MotionLimits> = self.arm.limits.iter().map(|l| within(l, random)).collect();
+        let PlannedArm { is_of_drives, recorded, rate_hz, .. } = &self.arm;
         let most = if *is_of_drives { 2.0 * WAY_LIMITS[0] } else { f64::INFINITY };
         let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(most, f64::min);
         let widest = limits.iter().map(|l| l.position_rad[1] - l.position_rad[0]).fold(0.0, f64::max);
         // Commands jump as their rows do, and what drives can follow is far slower.
-        let share = if *is_of_drives { random.between_logs(0.02, 1.0) } else { random.between(0.3, SHARE) };
-        let has_steps = *is_of_drives && self.options.limits.is_none();
-        if has_steps && attempt % 5 == 4 {
-            let limits: Vec<MotionLimits> = limits
-                .iter()
-                .zip(recorded)
-                .map(|(own, most)| step_limits(own, STEP * most, *rate_hz))
-                .collect();
-            let rest_s = random.between(0.1, 1.5);
-            let motion = Motion::PointToPoint { duration_s: piece_s, share: 1.0, rest_s };
-            let trajectory = motion.plan(&Robot::of_limits("arm", &limits), random.bits()).ok()?;
-            return Some((trajectory, "steps".to_owned()));
+        let mut share =
+            if *is_of_drives { random.between_logs(0.02, 1.0) } else { random.between(0.3, SHARE) };
+        let kinds = if *is_of_drives && self.options.limits.is_none() { 5 } else { 4 };
+        let is_steps = attempt % kinds == 4;
+        if is_steps {
+            let steps = limits.iter().zip(recorded).map(|(l, most)| step_limits(l, STEP * most, *rate_hz));
+            (limits, share) = (steps.collect(), 1.0);
         }
-        let motion = match if has_steps { attempt % 5 } else { attempt % 4 } {
+        let motion = match attempt % kinds {
             0 => Motion::MultiSine {
                 duration_s: piece_s,
                 harmonics: 3 + random.index(6),
@@ -413,12 +393,16 @@ impl<D: Discriminator> Planner<'_, D> {
             Motion::MultiSine { top_hz, .. } => format!("sines up to {top_hz:.2} Hz"),
             Motion::Sweeps { .. } => "constant speeds, to and fro".to_owned(),
             Motion::Triangles { speed_rad_s, .. } => format!("triangles at {speed_rad_s:.3} rad/s"),
-            _ => "poses held".to_owned(),
+            _ => if is_steps { "steps" } else { "poses held" }.to_owned(),
         };
         let trajectory = motion.plan(&Robot::of_limits("arm", &limits), random.bits()).ok()?;
         Some((
             trajectory,
-            if part < 1.0 { format!("{words}, in {:.0} % of the range", 100.0 * part) } else { words },
+            if part < 1.0 && !is_steps {
+                format!("{words}, in {:.0} % of the range", 100.0 * part)
+            } else {
+                words
+            },
         ))
     }
 
@@ -429,7 +413,7 @@ impl<D: Discriminator> Planner<'_, D> {
         let mut random = Random::labelled(self.options.seed, "encoders");
         let (mut time_s, mut position_rad) = (Vec::new(), vec![Vec::new(); joints]);
         let encoders = self.discrimination.encoders();
-        trajectory.rows(self.surroundings.rate_hz, |t, q, _, _| {
+        trajectory.rows(self.arm.rate_hz, |t, q, _, _| {
             time_s.push(t);
             for (joint, (series, q)) in position_rad.iter_mut().zip(q).enumerate() {
                 let [step, white] = encoders.get(joint).copied().unwrap_or_default();
@@ -439,7 +423,7 @@ impl<D: Discriminator> Planner<'_, D> {
         })?;
         let unknown = vec![vec![0.0; time_s.len()]; joints];
         let recording = Recording::from_arrays(time_s, position_rad)?.named("the planned motion");
-        Ok(recording.with_measurement(unknown, self.surroundings.unit)?)
+        Ok(recording.with_measurement(unknown, self.arm.unit)?)
     }
 
     fn moments(&self, trajectory: &Trajectory) -> Result<D::Planned, Failure> {
@@ -451,9 +435,8 @@ impl<D: Discriminator> Planner<'_, D> {
         let (duration_s, harmonics, top_hz, share) = (self.options.duration_s, 6, 0.6, SHARE);
         let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
         let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
-        let robot = Robot::of_limits("arm", &self.surroundings.limits);
-        let found =
-            excite(&robot, Some(self.surroundings.bodies), &options, self.options.seed, &mut |_, _| ());
+        let robot = Robot::of_limits("arm", &self.arm.limits);
+        let found = excite(&robot, Some(self.arm.bodies), &options, self.options.seed, &mut |_, _| ());
         let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
         Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }

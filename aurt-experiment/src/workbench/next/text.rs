@@ -55,7 +55,7 @@ impl Next {
                     );
                     (format!("`{}`", subject.id), why, subject.joints.clone())
                 }
-                _ => (self.words(doubt), self.reason(doubt, outlook), Vec::new()),
+                _ => (self.words(doubt), self.reason(outlook), Vec::new()),
             };
             match lines.iter_mut().find(|(known, ..)| *known == what && !joints.is_empty()) {
                 Some((_, _, all)) => all.extend(joints),
@@ -116,7 +116,6 @@ impl Next {
             Doubt::Wide(s, wanted) => {
                 json!({"kind": "wide", "subject": subject(s), "parameter": wanted.parameter, "wanted_std": wanted.std})
             }
-            Doubt::Undetermined(names) => json!({"kind": "undetermined", "numbers": names}),
         };
         let open: Vec<Value> = self
             .open
@@ -184,24 +183,20 @@ impl Next {
             Doubt::Wide(subject, wanted) => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
             }
-            Doubt::Undetermined(names) => format!("open: {}", names.join(" with ")),
         }
     }
 
     /// Why no motion that was tried settles a doubt.
-    fn reason(&self, doubt: &Doubt, outlook: &Outlook) -> String {
-        match (&outlook.interval, doubt) {
-            (Some(interval), _) => {
+    fn reason(&self, outlook: &Outlook) -> String {
+        match &outlook.interval {
+            Some(interval) => {
                 format!("with all motions that were tried the deviation is {}", plain(interval.after))
             }
-            (None, Doubt::Undetermined(_)) => {
-                format!("all motions that were tried tell {} of what was known before", plain(outlook.free))
-            }
-            _ if self.is_of_drives => format!(
+            None if self.is_of_drives => format!(
                 "with its numbers estimated again, one model follows the other to {} of what a model is expected to miss",
                 plain(outlook.free)
             ),
-            _ => format!(
+            None => format!(
                 "one explanation follows the other to {:.1} % of its torque in all motions that were tried",
                 100.0 * outlook.free
             ),

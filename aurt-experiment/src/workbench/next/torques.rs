@@ -3,13 +3,13 @@
 use aurt_diagnosis::Question;
 
 use super::limits::{JointMotion, limits_of};
-use super::{NextOptions, Surroundings, rate_hz};
+use super::{NextOptions, PlannedArm, rate_hz};
 use crate::workbench::failure::Failure;
 
-pub(super) fn surroundings<'q>(
+pub(super) fn planned_arm<'q>(
     question: &'q Question<'_>,
     options: &NextOptions,
-) -> Result<Surroundings<'q>, Failure> {
+) -> Result<PlannedArm<'q>, Failure> {
     let joints = question.model.joints();
     let segments = || question.recordings.iter().flat_map(|r| &r.data.data.segments);
     let largest = |series: &[f64], most: f64| series.iter().fold(most, |most, v| most.max(v.abs()));
@@ -21,19 +21,15 @@ pub(super) fn surroundings<'q>(
         let velocity = motions().fold(0.0, |v, m| largest(m.velocity_rad_s(j), v));
         ([low, high], velocity, motions().fold(0.0, |a, m| largest(m.acceleration_rad_s2(j), a)))
     };
-    let (limits, mut notes) = match options.given_limits(joints)? {
-        Some(limits) => (limits, Vec::new()),
-        None => {
-            let shown = "positions, speeds, accelerations and torques";
-            limits_of((0..joints).map(of_joint).collect(), question.model.names(), shown)
-        }
-    };
+    let shown = "positions, speeds, accelerations and torques";
+    let motions = (0..joints).map(of_joint).collect();
+    let (limits, mut notes) = limits_of(options, motions, question.model.names(), shown)?;
     for recording in question.recordings {
         let of_file = recording.raw.report.warnings();
         notes.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
     }
     let measured = |j: usize| segments().filter_map(move |s| s.measurement.as_ref()?.get(j));
-    Ok(Surroundings {
+    Ok(PlannedArm {
         joint_names: question.model.names().joints.to_vec(),
         limits,
         rate_hz: rate_hz(question.recordings.last().map_or(&[][..], |r| &r.raw.time_s)),
