@@ -271,32 +271,22 @@ impl<'a> DriveDiscrimination<'a> {
         demanded: Option<&Demanded>,
         planned: &DriveMoments,
     ) -> Outlook {
-        let mut all = outlook(1.0, 0.0, f64::INFINITY, f64::INFINITY);
-        for (Foresight { rightly, wrongly, deviations, reduction }, free) in
-            ways.iter().map(|way| self.foreseen(*way, level, planned))
-        {
-            let is_enough = demanded.is_none() || reduction >= self.diagnosis.demands.reduction;
-            let own = outlook(if is_enough { rightly } else { 0.0 }, wrongly, deviations, free);
-            all.settled = all.settled.min(own.settled);
-            all.wrongly = all.wrongly.max(own.wrongly);
-            all.evidence = all.evidence.min(own.evidence);
-            all.free = all.free.min(own.free);
-        }
+        let all: Vec<(Foresight, f64)> = ways.iter().map(|way| self.foreseen(*way, level, planned)).collect();
+        let least = |of: fn(&(Foresight, f64)) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
+        let is_enough = demanded.is_none() || least(|f| f.0.reduction) >= self.diagnosis.demands.reduction;
+        let mut settled = if is_enough { least(|f| f.0.rightly) } else { 0.0 };
         // A number of a structure must lie two deviations from nothing.
         if let Some((structure, Some(model))) = demanded {
             let numbers = self.models[*model].fit.numbers.iter().zip(self.narrowed(*model, planned));
             let own = numbers.filter(|(n, _)| structure.has(&n.name));
             let from = |start: f64| structure.neutral().unwrap_or(start);
             let far = own.map(|(n, [_, std])| (n.value - from(n.start)).abs() / std.max(f64::MIN_POSITIVE));
-            all.settled = all.settled.min(Normal::standard().cdf(far.fold(0.0, f64::max) - 2.0));
+            settled = settled.min(Normal::standard().cdf(far.fold(0.0, f64::max) - 2.0));
         }
-        all
+        let wrongly = all.iter().map(|f| f.0.wrongly).fold(0.0, f64::max);
+        let evidence = least(|f| f.0.deviations.max(0.0)).powi(2);
+        Outlook { nats: None, settled, wrongly, evidence, free: least(|f| f.1), interval: None }
     }
-}
-
-fn outlook(settled: f64, wrongly: f64, deviations: f64, free: f64) -> Outlook {
-    let evidence = deviations.max(0.0).powi(2);
-    Outlook { nats: None, settled, wrongly, evidence, free, interval: None }
 }
 
 /// The information of the present recordings and of what was known beforehand.
@@ -382,9 +372,7 @@ impl Discriminator for DriveDiscrimination<'_> {
                 self.of_models(ways, *level, demanded.as_ref(), planned)
             }
             ModelContest::Number(k, wanted) => {
-                let interval = self.interval(*k, self.narrowed(0, planned)[*k]);
-                let ratio = wanted / interval.after;
-                Outlook { interval: Some(interval), ..outlook(ratio.min(1.0), 0.0, ratio, 1.0) }
+                Outlook::of_width(Some(self.interval(*k, self.narrowed(0, planned)[*k])), *wanted)
             }
         };
         doubts.iter().map(of).collect()

@@ -43,6 +43,15 @@ pub struct Interval {
     pub after: f64,
 }
 
+impl Outlook {
+    /// That of a parameter whose deviation shall be a `wanted` one.
+    pub(super) fn of_width(interval: Option<Interval>, wanted: f64) -> Self {
+        let ratio = interval.as_ref().map_or(0.0, |i| wanted / i.after);
+        let (settled, evidence) = (ratio.min(1.0), ratio * ratio);
+        Self { nats: None, settled, wrongly: 0.0, evidence, free: 1.0, interval }
+    }
+}
+
 impl Discrimination<'_> {
     pub(super) fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
         let problem = &self.investigation.problem;
@@ -73,15 +82,7 @@ impl Discrimination<'_> {
     ) -> Outlook {
         let of_subject = self.intervals_of(subject, &self.narrowed(all));
         let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
-        let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
-        Outlook {
-            nats: None,
-            settled: ratio.min(1.0),
-            wrongly: 0.0,
-            evidence: ratio * ratio,
-            free: 1.0,
-            interval,
-        }
+        Outlook::of_width(interval, wanted.std)
     }
 
     /// The outlook of an effect that the present recordings absorb, if all together leave shares of its torque free.
