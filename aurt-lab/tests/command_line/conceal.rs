@@ -53,9 +53,10 @@ fn a_concealed_servo_arm_records_one_more_motion() {
     lab(&folder, conceal.split(' ')).succeeded();
     let header = folder.read("cases/case_0001/recording_1.csv").lines().next().unwrap().to_owned();
     let joints = header.matches("command_").count();
-    let row = |t: f64| format!("{t},{}\n", vec!["0.1"; joints].join(","));
+    let row = |k: u32| format!("{},{}\n", 0.1 * f64::from(k), vec!["0.1"; joints].join(","));
     let names: Vec<String> = (0..joints).map(|j| format!("q_{j}")).collect();
-    folder.write("motion.csv", &format!("time,{}\n{}{}", names.join(","), row(0.0), row(2.0)));
+    folder
+        .write("motion.csv", &format!("time,{}\n{}", names.join(","), (0..=20).map(row).collect::<String>()));
     let record = |truth: &str| {
         let line = format!("record --truth {truth} --motion motion.csv --seed 3 --out added.csv");
         lab(&folder, line.split(' '))
