@@ -1,5 +1,7 @@
 //! Delays of the measurement, or of positions, scanned.
 
+use aurt_traits::ColumnGroup;
+
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::total::free_first;
 use crate::hypotheses::group::{Group, Switch};
@@ -99,7 +101,7 @@ pub(super) struct Scan {
 impl Scan {
     pub(super) fn new(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Self {
         let problem = &investigation.problem;
-        let switches = model(investigation);
+        let switches = model(investigation, target_only);
         let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
         let shares = crate::evidence::residuals::shares(
             &investigation.rows,
@@ -311,17 +313,22 @@ fn window(mut height: impl FnMut(i32) -> f64) -> (i32, i32) {
 }
 
 /// The model under which delays are scanned: the baseline, what was found but for the column of a delay, and on every joint the laws
-/// that stay beside delays. What imitates a delay has a coefficient of its own at each, which vanishes at the true one.
-fn model(investigation: &Investigation) -> Vec<Switch> {
+/// that stay beside delays. What imitates a delay has a coefficient of its own at each, which vanishes at the true one. Where the targets alone
+/// are late, their friction is that of another day: inertia of a motion of the frequency f that is late by d is viscous friction of (2πf)² d I.
+fn model(investigation: &Investigation, target_only: bool) -> Vec<Switch> {
     let stays = |group: &&Group| group.effect.stays_beside_delays;
     let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
     let found = found.filter(|g| !is_delay(investigation, g));
     let mut all = investigation.base_switches.clone();
     let everywhere = !investigation.problem.has_reference();
     let staying = investigation.groups.iter().filter(stays).filter(|g| everywhere || !g.target_only());
-    for switch in found.chain(staying).flat_map(|g| &g.switches) {
+    let of_friction = |j| investigation.model.group(ColumnGroup::JointDynamics(j));
+    let of_targets = |column| Switch { column, target_only: true, nonnegative: false };
+    let another = (0..investigation.problem.joints()).flat_map(of_friction).map(of_targets);
+    let another = another.filter(|_| target_only);
+    for switch in found.chain(staying).flat_map(|g| &g.switches).copied().chain(another) {
         if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
-            all.push(*switch);
+            all.push(switch);
         }
     }
     all
