@@ -169,7 +169,9 @@ fn plans_for_servos_name_what_the_experiment_has() {
                 back_emf_nm_s_per_rad = 0.4\ndelay_s = 0.02\ncoulomb_nm = 0.06\nposition_deviation_rad = 1e-3\n\
                 [recordings]\ncalibration = [\"a.csv\"]\nvalidation = [\"b.csv\"]\n";
     folder.write("servo.toml", text);
-    ["a.csv", "b.csv"].map(|name| folder.write(name, ""));
+    for name in ["a.csv", "b.csv"] {
+        folder.write(name, "");
+    }
     let refused = |more: &str, words: &[&str]| {
         folder.run(format!("next servo.toml {more} --out refused.csv")).refused(words);
     };
