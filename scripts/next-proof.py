@@ -169,7 +169,7 @@ class ServoCase(Case):
 
     def verdict(self, *recordings):
         """The structures of the verdict as effects of no joint."""
-        structures = [{"effect": one["id"], "joints": [None], "alternatives": [{"effect": other} for other in one["alternatives"]], **one}
+        structures = [one | {"effect": one["id"], "joints": [None], "alternatives": [{"effect": other} for other in one["alternatives"]]}
                       for one in super().verdict(*recordings)["structures"]]
         better = [one for one in structures if one["objection"] in ("chance", "reduction", "size") and one["evidence"]["gain_nats_per_s"] > 0.0]
         return {"effects": [one for one in structures if one["answer"] in ("missing", "given_wrong")], "indications": better}
