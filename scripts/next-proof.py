@@ -9,6 +9,8 @@ case three recordings are added, each by itself: the motion that `aurt next` pla
 names the effect without an alternative and nothing else on its joint, wrong if it names only others there without alternatives, else
 still open. A constant torque while a joint moves has two names, `current_offset` and `coulomb_asymmetry`.
 
+An arm of servos (`servo`) records commands: of a case one recording is fitted and one is held out, and what is added is recorded for both.
+
     python3 scripts/next-proof.py --aurt target/release/aurt --world clean --seed 1 --cases 40 --added-s 3 5 8 0 --out next-proof
     python3 scripts/next-proof.py --collect next-proof next-proof-rough
 """
@@ -18,6 +20,7 @@ import collections
 import json
 import pathlib
 import random
+import re
 import time
 
 import next_proof_worlds as worlds
@@ -30,6 +33,8 @@ F_DYN_HZ = 6.0
 class Case:
     """An arm with a concealed effect, and its experiments."""
 
+    has_limits = True
+
     def __init__(self, program, world, sizes, folder, rng):
         self.program, self.folder = program, folder
         folder.mkdir(parents=True, exist_ok=True)
@@ -41,8 +46,8 @@ class Case:
         self.lab.conceal(rng.choice(worlds.EFFECTS), sizes, rng)
         self.seed, self.duration_s, self.motion = rng.randrange(2 ** 31), rng.uniform(12.0, 20.0), rng.choice(worlds.MOTIONS)
         (folder / "mdh.csv").write_text(self.lab.mdh)
-        rows = [["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"], *self.lab.limits()]
-        (folder / "limits.csv").write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
+        self.geometry = ["--mdh", folder / "mdh.csv", "--gravity", *self.lab.gravity]
+        worlds.write_limits(folder / "limits.csv", self.lab.limits())
         self.first = worlds.first_motion(self.motion, self.lab.home, self.duration_s, rng)
         worlds.write_motion(folder / "first_motion.csv", self.duration_s, self.first)
         self.lab.record("first", self.seed)
@@ -122,13 +127,13 @@ class Case:
         duration_s = f"{added_s or self.duration_s:.1f}"
         name = lambda way: f"{way}_{duration_s}"
         motions = {way: self.folder / f"{name(way)}_motion.csv" for way in WAYS}
-        common = ["--limits", self.folder / "limits.csv", "--duration-s", duration_s, "--json"]
+        common = ["--duration-s", duration_s, "--json", "--limits", self.folder / "limits.csv"]
         began_s = time.monotonic()
-        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common, "--out", motions["planned"]).stdout)
+        plan = json.loads(worlds.run(self.program, "next", self.experiment("first"), *common[:5 if self.has_limits else 3],
+                                     "--out", motions["planned"]).stdout)
         result = {"stated": self.stated(plan), "planning_s": round(time.monotonic() - began_s, 2)}
         (self.folder / f"plan_{duration_s}.json").write_text(json.dumps(plan, indent=1))
-        worlds.run(self.program, "excite", "--mdh", self.folder / "mdh.csv", "--gravity", *self.lab.gravity, *common, "--tries", "100",
-                   "--seed", self.seed % 1000, "--out", motions["generic"])
+        worlds.run(self.program, "excite", *self.geometry, *common, "--tries", "100", "--seed", self.seed % 1000, "--out", motions["generic"])
         again = worlds.beginning(self.first, added_s) if added_s else self.first
         worlds.write_motion(motions["again"], added_s or self.duration_s, again)
         for k, way in enumerate(WAYS):
@@ -137,6 +142,40 @@ class Case:
                 self.lab.record(name(way), self.seed + 1 + k)
                 result[way] = self.judged(self.verdict("first", name(way)))
         return result
+
+
+class ServoCase(Case):
+    """A servo arm with a concealed effect, of the lab's world `servo`."""
+
+    has_limits = False
+
+    def __init__(self, program, _world, _sizes, folder, rng):
+        self.program, self.folder, self.robot, self.motion, self.seed = program, folder, "servo_arm", "commands", rng.randrange(2 ** 31)
+        self.lab = worlds.Servo(program, folder, self.seed, rng)
+        self.first, self.duration_s = self.lab.first, self.lab.duration_s
+        self.geometry = ["--robot", self.lab.case / "robot.urdf", "--gravity", 0, 0, -9.81]
+
+    def experiment(self, *recordings):
+        text = (self.lab.case / "experiment.toml").read_text()
+        columns = re.search(r"columns = \{.*?\}", text).group()
+        roles = {"calibration": ["recording_1.csv"], "validation": ["recording_4.csv"]}
+        for name in recordings[1:]:
+            for role, files in roles.items():
+                files.append(f"../../{name}_{role}.csv")
+        listed = [f"{role} = [" + ", ".join(f'{{ file = "{name}", {columns} }}' for name in files) + "]" for role, files in roles.items()]
+        file = self.lab.case / f"experiment_{recordings[-1]}.toml"
+        file.write_text(text.split("[recordings]")[0] + "[recordings]\n" + "\n".join(listed) + "\n")
+        return file
+
+    def verdict(self, *recordings):
+        """The structures of the verdict as effects of no joint."""
+        structures = [one | {"effect": one["id"], "joints": [None], "alternatives": [{"effect": other} for other in one["alternatives"]]}
+                      for one in super().verdict(*recordings)["structures"]]
+        better = [one for one in structures if one["objection"] in ("chance", "reduction", "size") and one["evidence"]["gain_nats_per_s"] > 0.0]
+        return {"effects": [one for one in structures if one["answer"] in ("missing", "given_wrong")], "indications": better}
+
+    def is_truth(self, subject):
+        return subject["effect"] == self.lab.effect
 
 
 def table(rows):
@@ -160,7 +199,7 @@ def table(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--aurt", default="target/release/aurt")
-    parser.add_argument("--world", choices=("clean", "rough", "mujoco"), default="clean")
+    parser.add_argument("--world", choices=("clean", "rough", "mujoco", "servo"), default="clean")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, default=40)
     parser.add_argument("--added-s", type=float, nargs="+", default=[0.0], help="lengths of the added recordings; 0: that of the first")
@@ -178,7 +217,8 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     with (arguments.out / "rows.jsonl").open("a") as kept:
         for k, seed in enumerate(seeds[arguments.first:], arguments.first):
-            case = Case(arguments.aurt, arguments.world, arguments.sizes, arguments.out / f"case_{k:03}", random.Random(seed))
+            kind = ServoCase if arguments.world == "servo" else Case
+            case = kind(arguments.aurt, arguments.world, arguments.sizes, arguments.out / f"case_{k:03}", random.Random(seed))
             rows.append(case.run(arguments.added_s))
             print(rows[-1], flush=True)
             kept.write(json.dumps(rows[-1]) + "\n")

@@ -1,6 +1,7 @@
 """Simulated laboratories for next-proof.py: an arm, its first short recording, one effect, and what the experiment says of them.
 
-`clean` and `rough` are simulated by `aurt simulate`, `mujoco` by another engine (aurt-lab/mujoco, which needs its requirements).
+`clean` and `rough` are simulated by `aurt simulate`, `mujoco` by another engine (aurt-lab/mujoco, which needs its requirements), `servo` by
+`aurt-lab`.
 """
 
 import csv
@@ -82,6 +83,11 @@ def write_motion(file, duration_s, position):
     rows = [[f"{k / RATE_HZ:.4f}", *(f"{q:.8f}" for q in position(k / RATE_HZ))] for k in range(int(duration_s * RATE_HZ) + 1)]
     header = ["time", *(f"q_{j}" for j in range(len(rows[0]) - 1))]
     file.write_text("".join(",".join(row) + "\n" for row in [header, *rows]))
+
+
+def write_limits(file, rows):
+    rows = [["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"], *rows]
+    file.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
 
 
 class Simulated:
@@ -220,3 +226,34 @@ class MuJoCo:
         trace = self.arm.run(build, self.servo, motion)
         rows = self.sensing.log(self.built, instrument, trace, {"rate_hz": RATE_HZ}, np.random.default_rng(seed))
         (self.folder / f"{name}.csv").write_text(self.sensing.csv(self.built, *rows))
+
+
+class Servo:
+    """The world `servo` of `aurt-lab`: commands and positions at 50 Hz."""
+
+    background, joint, period_s = [], None, 0.02
+
+    def __init__(self, program, folder, seed, rng):
+        self.program, self.folder = pathlib.Path(program).resolve().with_name("aurt-lab"), folder
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "plan.toml").write_text(f'[singles]\nstrengths = ["{rng.choice(("weak", "medium", "strong"))}"]\n')
+        run(self.program, "conceal", "--world", "servo", "--plan", folder / "plan.toml", "--seed", seed, "--cases", folder / "cases",
+            "--sealed", folder / "sealed")
+        self.truth = rng.choice(sorted((folder / "sealed").glob("*.json")))
+        self.case, self.effect = folder / "cases" / self.truth.stem, json.loads(self.truth.read_text())["effects"][0]["effect"]
+        rows = [list(map(float, row)) for row in csv.reader((self.case / "recording_1.csv").read_text().splitlines()[1:])]
+        self.commands, self.duration_s = [row[1:1 + len(row) // 2] for row in rows], rows[-1][0]
+        write_limits(folder / "limits.csv", map(self.limits, zip(*self.commands)))
+
+    def limits(self, command):
+        """As `aurt next` takes them from commands."""
+        slopes = lambda series: [(b - a) / self.period_s for a, b in zip(series, series[1:])]
+        return min(command), max(command), max(map(abs, slopes(command))), max(map(abs, slopes(slopes(command))))
+
+    def first(self, t):
+        return self.commands[min(round(t / self.period_s), len(self.commands) - 1)]
+
+    def record(self, name, seed):
+        for k, role in enumerate(("calibration", "validation")):
+            run(self.program, "record", "--truth", self.truth, "--motion", self.folder / f"{name}_motion.csv", "--seed", 2 * seed + k,
+                "--out", self.folder / f"{name}_{role}.csv")

@@ -78,6 +78,9 @@ pub enum DiagnosisError {
     /// Calibration failed.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// Drives could not be estimated or simulated.
+    #[error(transparent)]
+    Drive(#[from] aurt_calibration::drives::DriveError),
     /// Preprocessing failed.
     #[error(transparent)]
     Recording(#[from] RecordingError),

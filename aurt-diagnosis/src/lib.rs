@@ -51,7 +51,10 @@ pub use contact::{
     Contact, ContactOptions, ContactRows, ForceColumns, StandingRows, find_contacts, find_standing_contacts,
     force_columns,
 };
-pub use discrimination::{DeviationGoal, Discrimination, Doubt, Interval, MotionMoments, Outlook, Subject};
+pub use discrimination::{
+    DeviationGoal, Discrimination, Discriminator, Doubt, DriveDiscrimination, DriveMoments, Interval,
+    MotionMoments, Outlook, Subject,
+};
 pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
 pub use faults::{Fault, RecordingFaults, without_unusable_rows};

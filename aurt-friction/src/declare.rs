@@ -76,6 +76,47 @@ macro_rules! declares_term {
     };
 }
 
+/// An arm term with columns of its own for each selected joint, and no key but `joints`, in full; `evaluate` fills the columns of a
+/// joint.
+macro_rules! joint_term {
+    ($(#[$doc:meta])* $model:ident, name: $name:literal, columns: [$($column:literal in $unit:literal),+],
+     invariants: $invariants:tt, evaluate: $evaluate:expr, $($entry:tt)+) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $model {
+            /// Joints that have the term.
+            #[serde(default, skip_serializing_if = "crate::arm_terms::joint_selection::JointSelection::is_all")]
+            pub joints: crate::arm_terms::joint_selection::JointSelection,
+        }
+
+        aurt_traits::register_model! { slot: ArmTerm, name: $name, $($entry)+ }
+
+        #[typetag::serde(name = $name)]
+        impl ArmTerm for $model {
+            declares_term! { $name, per joint: [$($column in $unit),+], invariants: $invariants }
+
+            fn validate(&self, robot_joints: usize) -> aurt_traits::Result<(), Vec<aurt_traits::ModelError>> {
+                crate::shape::verdict(self.joints.complaints($name, robot_joints))
+            }
+
+            fn evaluate(
+                &self,
+                series: &ArmSeries<'_>,
+                _state: &mut [f64],
+                out: &mut Columns<'_>,
+            ) -> aurt_traits::Result {
+                let evaluate: fn(&ArmSeries<'_>, usize, &mut Columns<'_>) = $evaluate;
+                let columns = [$($column),+].len();
+                self.joints.write_own_rows(series.motion.joints(), columns, out, |_, joint, own| {
+                    evaluate(series, joint, own);
+                });
+                Ok(())
+            }
+        }
+    };
+}
+
 /// Methods of a term around the inertial values of a fit (`crate::known_bodies`), in an `impl ArmTerm`; the state is the number of the rigid
 /// body's standard parameters, which is asked for once per series. With `around`, a column for each selected joint, whose values on all
 /// joints `slope` gives, exact around those of the field.

@@ -3,18 +3,7 @@
 
 use aurt_lab::case::{Plan, World};
 
-const PLAN: &str = r#"
-    [recordings]
-    duration_s = 5.0
-    rate_hz = 250.0
-    [singles]
-    robots = ["two_link"]
-    effects = ["joint_coupling_friction", "stribeck", "time_delay", "torque_ripple"]
-    strengths = ["medium"]
-    [nulls]
-    robots = ["ur5e"]
-    count = 1
-"#;
+const PLAN: &str = include_str!("clean_cases.toml");
 
 /// FNV-1a over names and contents of a case's files.
 fn hash(files: &[(String, Vec<u8>)]) -> u64 {

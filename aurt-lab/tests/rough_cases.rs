@@ -6,15 +6,7 @@ use std::sync::OnceLock;
 use aurt_lab::Strength;
 use aurt_lab::case::{Case, CaseType, Plan, World};
 
-const PLAN: &str = r#"
-    [singles]
-    robots = ["two_link"]
-    effects = ["stribeck", "payload"]
-    strengths = ["strong"]
-    [nulls]
-    robots = ["two_link", "ur5e"]
-    count = 4
-"#;
+const PLAN: &str = include_str!("rough_cases.toml");
 
 fn cases() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();

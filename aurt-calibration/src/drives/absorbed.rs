@@ -105,11 +105,7 @@ fn part(
     groups: &[(String, Vec<f64>)],
 ) -> Result<(DMatrix<f64>, DMatrix<f64>), DriveError> {
     let (measured, count) = (&problem.recordings[recording], problem.columns.len());
-    let errors = |lanes| problem.errors(theta, recording, lanes);
-    let chunks = (0..count.div_ceil(Jet::LANES).max(1)).map(|c| c * Jet::LANES);
-    let passes: Result<Vec<Vec<Jet>>, DriveError> =
-        chunks.map(|first| errors(first..count.min(first + Jet::LANES))).collect();
-    let passes = passes?;
+    let passes = problem.passes(theta, recording)?;
     let complete = full.rollout(measured)?;
     let mut without = Vec::new();
     for (_, values) in groups {

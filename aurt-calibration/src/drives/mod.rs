@@ -23,5 +23,7 @@ pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
 pub use columns::{Selection, stem};
 pub use determined::Undetermined;
 pub use error::DriveError;
-pub use output_error::{EstimatedNumber, Options, OutputErrorFit, loss, output_error, output_error_from};
+pub use output_error::{
+    EstimatedNumber, Options, OutputErrorFit, loss, output_error, output_error_from, slopes,
+};
 pub use rollout::{DriveRecording, LONGEST_STEP_S};

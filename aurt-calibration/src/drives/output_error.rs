@@ -96,6 +96,8 @@ pub struct OutputErrorFit {
     pub numbers: Vec<EstimatedNumber>,
     /// Directions that the recordings leave open.
     pub undetermined: Vec<Undetermined>,
+    /// Σ w JᵀJ/σ² of the recordings alone, in units of what was known beforehand of the numbers.
+    pub information: DMatrix<f64>,
     /// Rms of q_sim − q in rad, by recording, or piece, and joint.
     pub rms_rad: Vec<Vec<f64>>,
     /// The least sum that was found.
@@ -191,6 +193,7 @@ pub fn output_error_from(
         arm: fitted,
         numbers: numbers.collect(),
         undetermined: undetermined(&columns, &at.information, &fixed),
+        information: at.information,
         rms_rad: at.rms_rad,
         cost: at.cost,
         iterations,
@@ -265,6 +268,28 @@ struct Part {
     rms_rad: Vec<f64>,
 }
 
+/// Derivatives of a rollout's positions by the selected numbers at their values, in units of [`Options::deviation_rad`] for
+/// one deviation of what was known beforehand: a row for each number, a column for each joint of every `stride`-th sample.
+///
+/// # Errors
+/// As [`output_error`](crate::drives::output_error).
+pub fn slopes(
+    arm: &DrivenArm,
+    selection: &Selection,
+    recording: &DriveRecording,
+    options: &Options,
+    stride: usize,
+) -> Result<DMatrix<f64>, DriveError> {
+    recording.check(arm.joints.len(), 0)?;
+    let (columns, recordings) = (columns(arm, selection)?, std::slice::from_ref(recording));
+    let theta: Vec<f64> = columns.iter().map(|c| c.start).collect();
+    let passes = Problem::new(arm, &columns, recordings, options).passes(&theta, 0)?;
+    let joints = arm.joints.len();
+    let kept: Vec<usize> = (0..passes[0].len()).filter(|at| (at / joints).is_multiple_of(stride)).collect();
+    let of = |row: usize, column: usize| passes[row / Jet::LANES][kept[column]].slope[row % Jet::LANES];
+    Ok(DMatrix::from_fn(columns.len(), kept.len(), of))
+}
+
 impl<'a> Problem<'a> {
     pub(crate) fn new(
         arm: &'a DrivenArm,
@@ -317,6 +342,13 @@ impl<'a> Problem<'a> {
         Ok(errors)
     }
 
+    /// [`Self::errors`] with slopes along all columns, eight in each pass.
+    pub(crate) fn passes(&self, theta: &[f64], recording: usize) -> Result<Vec<Vec<Jet>>, DriveError> {
+        let columns = self.columns.len();
+        let chunks = (0..columns.div_ceil(Jet::LANES).max(1)).into_par_iter().map(|c| c * Jet::LANES);
+        chunks.map(|c| self.errors(theta, recording, c..columns.min(c + Jet::LANES))).collect()
+    }
+
     fn cost(&self, theta: &[f64]) -> Result<f64, DriveError> {
         let of = |r: usize| Ok(self.errors(theta, r, 0..0)?.iter().map(|e| loss(e.value).0).sum::<f64>());
         let costs: Result<Vec<f64>, DriveError> =
@@ -350,12 +382,7 @@ impl<'a> Problem<'a> {
 
     fn part(&self, theta: &[f64], recording: usize) -> Result<Part, DriveError> {
         let columns = self.columns.len();
-        let chunks: Vec<_> = (0..columns.div_ceil(Jet::LANES).max(1))
-            .map(|c| c * Jet::LANES..columns.min((c + 1) * Jet::LANES))
-            .collect();
-        let passes: Result<Vec<Vec<Jet>>, DriveError> =
-            chunks.into_par_iter().map(|lanes| self.errors(theta, recording, lanes)).collect();
-        let passes = passes?;
+        let passes = self.passes(theta, recording)?;
         let measured = &self.recordings[recording];
         let joints = measured.position_rad.len();
         let mut part = Part { cost: 0.0, stretches: Vec::new(), rms_rad: vec![0.0; joints] };

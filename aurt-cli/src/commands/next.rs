@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_diagnosis::{DeviationGoal, effects};
+use aurt_diagnosis::{DeviationGoal, drives::STRUCTURES, effects};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::{
     described_model::{ChainEnds, GivenModel},
@@ -22,7 +22,8 @@ use crate::rendering::terminal::Report;
 /// Diagnoses the experiment, and composes a motion in which the explanations that do equally well predict different
 /// torques. Printed before anything is recorded: which doubts it settles and with which probability, which no motion
 /// settles, and how narrow intervals become. Without `--limits` the arm stays where the recordings show it, not faster
-/// and with no larger torques. Collisions are not checked: look at the motion in the robot's own simulator first.
+/// and with no larger torques. With `[drive]` the motion is one of commands, and no joint is farther from its command
+/// than it was. Collisions are not checked: look at the motion in the robot's own simulator first.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt next experiment.toml --out motion.csv\n  \
     aurt next experiment.toml --until 'mass_kg < 0.02' --out motion.yaml\n\n\
@@ -37,13 +38,13 @@ pub struct NextMotion {
     /// File for the motion: .csv, .yaml (a trajectory of ROS 2), .script (URScript), .mcap (ROS 2) or .lerobot (a folder)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does
+    /// Take a model as given instead of recalibrating the experiment's structure, as `aurt diagnose` does; not with `[drive]`
     #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,
-    /// Exclude an effect from the diagnosis; may be given several times
+    /// Exclude an effect, with `[drive]` a structure, from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Standard deviation that a parameter shall have at most; may be given several times
+    /// Standard deviation that a parameter, with `[drive]` a number, shall have at most; may be given several times
     #[arg(long, value_name = "PARAMETER < STD", value_parser = parse_wanted)]
     until: Vec<DeviationGoal>,
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2
@@ -82,11 +83,6 @@ fn parse_wanted(text: &str) -> Result<DeviationGoal, String> {
     if !(std.is_finite() && std > 0.0) {
         return Err(format!("a standard deviation of {std} cannot be; give a positive number"));
     }
-    if !effects::ALL.into_iter().any(|effect| effect.parameter(&parameter).is_some()) {
-        return Err(format!(
-            "none of the effects has a parameter `{parameter}`; `aurt explain EFFECT` lists them"
-        ));
-    }
     Ok(DeviationGoal { parameter, std })
 }
 
@@ -112,7 +108,8 @@ impl NextMotion {
         let out = PlannedOutput::new("--out", &self.out, &inputs)?;
         self.check()?;
         self.rate_hz.map_or(Ok(()), |rate_hz| out.check_rate_hz(rate_hz))?;
-        let experiment = Experiment::read(&self.experiment, registry)?;
+        let experiment = Experiment::read_with_drives(&self.experiment, registry)?;
+        self.check_names(experiment.drive.is_some())?;
         let read = |model| GivenModel::read(model, ChainEnds::default(), None, &experiment, registry);
         let given = self.model.as_deref().map(read);
         let joints = experiment.robot.robot_joints().count;
@@ -151,20 +148,36 @@ impl NextMotion {
     /// Refuses numbers that no plan has, before anything is read.
     fn check(&self) -> Result<(), Failure> {
         let refuse = |option, reason: String, remedy: &str| Err(Failure::argument(option, reason, remedy));
-        let known = || effects::ALL.into_iter().map(|effect| effect.id);
-        if let Some(name) = self.without.iter().find(|name| !known().any(|id| id == name.as_str())) {
-            return refuse(
-                "--without",
-                format!("`{name}` is not one of the effects"),
-                "`aurt explain` lists what there is",
-            );
-        }
         if !(SHORTEST_S..=MOST.0).contains(&self.duration_s) {
             let reason = format!("a plan cannot take {} s", self.duration_s);
             return refuse("--duration-s", reason, "give 3 to 600 s");
         }
         if !(1..=MOST.1).contains(&self.tries) {
             return refuse("--tries", format!("{} motions cannot be tried", self.tries), "give 1 to 1000");
+        }
+        Ok(())
+    }
+
+    /// Refuses effects and parameters that nothing has; the numbers of drives are those of the experiment.
+    fn check_names(&self, has_drive: bool) -> Result<(), Failure> {
+        let refuse = |option, reason, remedy: &str| Err(Failure::argument(option, reason, remedy));
+        let effects = effects::ALL.into_iter().map(|effect| effect.id);
+        let structures = STRUCTURES.iter().map(|structure| structure.id);
+        let known: Vec<&str> = if has_drive { structures.collect() } else { effects.collect() };
+        if let Some(name) = self.without.iter().find(|name| !known.contains(&name.as_str())) {
+            let reason = format!("`{name}` is not one of the effects");
+            return refuse("--without", reason, &format!("name one of {}", known.join(", ")));
+        }
+        if has_drive && self.model.is_some() {
+            let reason = "is of recordings with torques, and this experiment has a [drive]".to_owned();
+            return refuse("--model", reason, "leave it out");
+        }
+        let has = |parameter: &str| effects::ALL.into_iter().any(|e| e.parameter(parameter).is_some());
+        if let Some(DeviationGoal { parameter, .. }) =
+            self.until.iter().find(|u| !has_drive && !has(&u.parameter))
+        {
+            let reason = format!("none of the effects has a parameter `{parameter}`");
+            return refuse("--until", reason, "`aurt explain EFFECT` lists them");
         }
         Ok(())
     }

@@ -20,12 +20,6 @@ fn refusal(change: impl Fn(&str) -> String, words: &[&str]) {
 }
 
 #[test]
-fn the_file_as_it_is_predicts() {
-    let folder = with_model(str::to_owned);
-    folder.run("predict --model c.json --data other_motion.csv --out p.csv").succeeded();
-}
-
-#[test]
 fn another_version() {
     refusal(
         |m| m.replacen("\"schema\": 1", "\"schema\": 7", 1),

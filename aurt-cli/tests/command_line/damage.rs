@@ -236,15 +236,6 @@ fn a_dollar_in_a_folder_is_no_variable() {
 }
 
 #[test]
-fn what_a_cell_says_commands_no_terminal() {
-    let folder = Folder::new();
-    folder.write("mdh.csv", "alpha,a,d\n0,\u{1b}[2J\u{1b}]0;title\u{7},0\n");
-    let said =
-        folder.run("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out r.json").refused(&["mdh.csv:2"]);
-    assert!(!said.contains('\u{1b}') && !said.contains('\u{7}'), "{said:?}");
-}
-
-#[test]
 fn numbers_that_no_robot_has_are_refused_and_none_leave() {
     let folder = Folder::new().with_whole_demo();
     for (table, said) in [

@@ -83,7 +83,7 @@ fn every_command_that_takes_a_recording_is_in_the_matrix() {
             }
         }
     }
-    let known = ENTRIES.iter().flat_map(|entry| entry.takes).map(|&takes| takes.to_owned());
+    let known = ENTRIES.iter().flat_map(|entry| &entry.takes).map(|&takes| takes.to_owned());
     assert_eq!(takes, known.collect());
 }
 
@@ -272,7 +272,7 @@ fn on(line: &str, written: Written) -> String {
 /// What an entry makes of the recordings, cell by cell, or that it refuses; and all that it says.
 fn outcome(folder: &Folder, entry: &Entry, written: Written) -> (Option<BTreeMap<String, Value>>, String) {
     let mut said = String::new();
-    for line in entry.lines {
+    for line in &entry.lines {
         let run = run(folder, &on(line, written));
         said += &(run.stdout() + &run.stderr());
         assert!(!said.contains("panicked"), "{line}: {said}");
@@ -281,7 +281,7 @@ fn outcome(folder: &Folder, entry: &Entry, written: Written) -> (Option<BTreeMap
         }
     }
     let mut cells = BTreeMap::new();
-    for result in entry.results {
+    for result in &entry.results {
         let (file, place) = result.split_once('#').unwrap_or((result, ""));
         let text = folder.read(file);
         match file.rsplit('.').next() {

@@ -159,3 +159,26 @@ fn the_structure_of_a_ur10e_leaves_a_doubt_that_a_motion_settles() {
     assert!(planned > again && planned >= generic, "{open:?}");
     assert!(folder.read("motion.script").starts_with("def aurt_motion():"));
 }
+
+#[test]
+fn plans_for_servos_name_what_the_experiment_has() {
+    let folder = Folder::new();
+    folder.write("mdh.csv", "alpha,a,d\n0,0,0\n");
+    let text = "schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[drive]\n\
+                model = \"position_servo\"\nestimate = [\"delay_s\", \"coulomb_nm\"]\ngain_nm_per_rad = 10.0\n\
+                back_emf_nm_s_per_rad = 0.4\ndelay_s = 0.02\ncoulomb_nm = 0.06\nposition_deviation_rad = 1e-3\n\
+                [recordings]\ncalibration = [\"a.csv\"]\nvalidation = [\"b.csv\"]\n";
+    folder.write("servo.toml", text);
+    for name in ["a.csv", "b.csv"] {
+        folder.write(name, "");
+    }
+    let refused = |more: &str, words: &[&str]| {
+        folder.run(format!("next servo.toml {more} --out refused.csv")).refused(words);
+    };
+    refused("--until mass_kg<1", &["--until", "`mass_kg` is not estimated", "delay_s, coulomb_nm"]);
+    refused("--without backlash", &["--without", "`backlash`", "time_delay"]);
+    refused("--model servo.toml", &["--model"]);
+    let torque = text.replace("position_servo", "torque");
+    folder.write("servo.toml", &torque.replace("gain_nm_per_rad = 10.0\nback_emf_nm_s_per_rad = 0.4\n", ""));
+    refused("", &["do not follow positions"]);
+}

@@ -184,11 +184,3 @@ fn the_demo_runs_again_where_it_has_run() {
     folder.run("demo --out demo").refused(&["experiment.toml", "your own", "another folder"]);
     assert_eq!(folder.read("demo/experiment.toml"), changed);
 }
-
-#[test]
-fn the_demo_does_not_overwrite_an_experiment_of_the_user() {
-    let folder = Folder::new();
-    folder.write("experiment.toml", "schema = 1 # mine\n");
-    folder.run("demo --out .").refused(&["experiment.toml", "your own", "another folder"]);
-    assert_eq!(folder.names(), ["experiment.toml"]);
-}

@@ -9,32 +9,7 @@ use std::{
 
 use crate::support::{Folder, text};
 
-const EXPERIMENT: &str = r#"
-schema = 1
-[plugins]
-libraries = ["LIBRARY"]
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, 0.0, -9.81]
-torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
-[joint_dynamics]
-coulomb = { model = "constant" }
-hysteresis = { model = "sign" }
-viscous = { model = "MODEL", saturation_velocity_rad_s = 1.0 }
-[recordings]
-calibration = ["exciting_motion.csv"]
-validation = ["other_motion.csv"]
-[preprocess]
-f_dyn_hz = 5.0
-[calibration]
-fit_shapes = false
-[sweep.grid]
-"joint_dynamics.viscous" = [
-    { model = "polynomial", powers = [1] },
-    { model = "MODEL", saturation_velocity_rad_s = 0.5 },
-    { model = "MODEL", saturation_velocity_rad_s = 5.0 },
-]
-"#;
+const EXPERIMENT: &str = include_str!("files/plugins.toml");
 
 fn succeeded(command: &mut Command) -> String {
     let output = command.output().unwrap();

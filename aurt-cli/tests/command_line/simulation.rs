@@ -4,20 +4,7 @@ use std::f64::consts::PI;
 
 use crate::support::{DEMO, Folder, assert_has, numbers, rows, with_table};
 
-const SCENARIO: &str = r#"
-robot = "ur10e"
-seed = 7
-
-[motion]
-kind = "multi_sine"
-duration_s = 4.0
-harmonics = 5
-top_hz = 1.0
-share = 0.5
-
-[logger]
-rate_hz = 100
-"#;
+const SCENARIO: &str = include_str!("files/scenario.toml");
 
 #[test]
 fn the_demo_names_what_was_concealed() {

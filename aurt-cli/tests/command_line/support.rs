@@ -8,7 +8,7 @@ use std::{
     sync::LazyLock,
 };
 
-use aurt_lab::case::{Plan, conceal};
+use aurt_lab::case::{Plan, World};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -66,7 +66,11 @@ impl Folder {
     /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
     pub fn with_concealed(self, plan: &str, seed: u64) -> Self {
         let plan = Plan::parse(plan, "plan.toml").unwrap();
-        conceal(&plan, seed, self.path("cases"), self.path("sealed"), &|_| ()).unwrap();
+        let places = ["cases", "sealed"].map(|name| self.path(name));
+        places.iter().for_each(|place| fs::create_dir(place).unwrap());
+        for index in 0..plan.requests(seed).unwrap().len() {
+            plan.make(World::Clean, seed, index).unwrap().write(&places[0], &places[1]).unwrap();
+        }
         self
     }
 

@@ -3,8 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Child, Command, Stdio},
-    time::{Duration, Instant},
+    process::Command,
 };
 
 use crate::support::Folder;
@@ -36,47 +35,7 @@ f_dyn_hz = 5.0
     folder
 }
 
-/// Fifty-four points, two thirds of which search for shapes.
-const MANY: &str = r#"
-[sweep.grid]
-"joint_dynamics.coulomb.model" = ["constant", "square", "absolute"]
-"joint_dynamics.hysteresis" = [
-    { model = "sign" }, { model = "dahl" }, { model = "tanh" },
-    { model = "maxwell_slip", elements = 2 }, { model = "dahl", presliding_rad = 0.002 },
-    { model = "tanh", velocity_rad_s = 0.02 },
-]
-"joint_dynamics.viscous.powers" = [[1], [1, 2], [1, 3]]
-"#;
-const MANY_POINTS: usize = 54;
-
 const FEW: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\", \"absolute\"]\n";
-
-/// Starts a sweep on one thread and leaves it running.
-fn started(folder: &Folder, out: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_aurt"))
-        .args(["sweep", "run", "experiment.toml", "--quiet", "--out", out])
-        .current_dir(folder.path(""))
-        .env("RAYON_NUM_THREADS", "1")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
-
-fn results(folder: &Folder, out: &str) -> usize {
-    let whole = |e: &fs::DirEntry| e.path().extension().is_some_and(|x| x == "json");
-    fs::read_dir(folder.path(out).join("results"))
-        .map_or(0, |entries| entries.flatten().filter(whole).count())
-}
-
-/// Waits until the folder holds more results than that, or the process ends.
-fn wait_for_more(folder: &Folder, out: &str, than: usize, child: &mut Child) {
-    let begin = Instant::now();
-    while results(folder, out) <= than && child.try_wait().unwrap().is_none() {
-        assert!(begin.elapsed() < Duration::from_secs(300), "no result after {:?}", begin.elapsed());
-        std::thread::sleep(Duration::from_millis(1));
-    }
-}
 
 /// Every file below a folder with its contents, but for the lock.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
@@ -94,34 +53,6 @@ fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     }
     found.sort();
     found
-}
-
-#[test]
-#[cfg(unix)]
-fn what_is_killed_goes_on_to_the_same_bytes() {
-    use std::os::unix::process::ExitStatusExt;
-
-    const SIGKILL: i32 = 9;
-    let folder = experiment(MANY);
-    let mut killed = 0;
-    for _ in 0..3 {
-        let before = results(&folder, "killed");
-        let mut child = started(&folder, "killed");
-        wait_for_more(&folder, "killed", before + 2, &mut child);
-        child.kill().unwrap();
-        killed += usize::from(child.wait().unwrap().signal() == Some(SIGKILL));
-    }
-    let there = results(&folder, "killed");
-    assert!(killed > 0 && (1..MANY_POINTS).contains(&there), "{killed} killed, {there} results");
-    let run = folder.run("sweep run experiment.toml --out killed --json").succeeded();
-    let run = run.json();
-    assert_eq!(run["run"]["present"], there);
-    assert_eq!(run["run"]["run"], MANY_POINTS - there);
-    folder.run("sweep run experiment.toml --out undisturbed").succeeded();
-    let (killed, undisturbed) = (contents(&folder.path("killed")), contents(&folder.path("undisturbed")));
-    // A point and a result each, and five files about the whole sweep, the report among them.
-    assert_eq!(undisturbed.len(), 2 * MANY_POINTS + 5);
-    assert!(killed == undisturbed, "the folders differ");
 }
 
 #[test]
@@ -159,19 +90,7 @@ fn a_point_that_fails_is_recorded_and_the_others_go_on() {
 }
 
 /// An `sbatch` that runs the elements of the array one after the other, except those that a file names.
-const SBATCH: &str = r#"#!/bin/sh
-for argument; do
-    case "$argument" in --array=*) array="${argument#--array=}" ;; esac
-    [ "$argument" = --wrap ] && wrap=next || { [ "$wrap" = next ] && wrap="$argument"; }
-done
-echo "$@" >>"$(dirname "$0")/asked"
-for range in $(echo "$array" | tr , ' '); do
-    for task in $(seq "${range%-*}" "${range#*-}"); do
-        grep -qx "$task" "$(dirname "$0")/lost" || SLURM_ARRAY_TASK_ID="$task" sh -c "$wrap" >/dev/null
-    done
-done
-echo "41;cluster"
-"#;
+const SBATCH: &str = include_str!("files/sbatch.sh");
 
 #[test]
 #[cfg(unix)]

@@ -262,34 +262,7 @@ fn a_change_of_rate_is_told_and_no_alarm() {
 }
 
 /// The demo's robot with more friction in joint 4, as another logger recorded it.
-const RUBBING: &str = r#"
-robot = "ur10e"
-seed = 21
-
-[motion]
-kind = "multi_sine"
-duration_s = 20.0
-harmonics = 8
-top_hz = 1.0
-share = 0.6
-
-[logger]
-rate_hz = 125
-
-[[drive]]
-joint = 1
-load_coefficient = 0.08
-
-[[drive]]
-joint = 2
-load_coefficient = 0.08
-
-[[effect]]
-name = "friction_level_changed"
-joints = [4]
-coulomb_change = [0.5]
-viscous_change = [0.5]
-"#;
+const RUBBING: &str = include_str!("files/rubbing.toml");
 
 #[test]
 fn friction_that_grows_is_named_with_its_joint_and_size() {

@@ -11,20 +11,7 @@ use tempfile::TempDir;
 
 use crate::subject::aurt;
 
-const EXPERIMENT: &str = r#"schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, -9.81, 0.0]
-[joint_dynamics]
-coulomb = { model = "constant" }
-hysteresis = { model = "sign" }
-viscous = { model = "polynomial", powers = [1] }
-[recordings]
-calibration = ["a.csv"]
-validation = ["b.csv"]
-[preprocess]
-f_dyn_hz = 5.0
-"#;
+const EXPERIMENT: &str = include_str!("experiment.toml");
 const SWEEP: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\"]\n";
 const SCENARIO: &str = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 3.0\nharmonics = 5\n\
                         top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 100\n[[effect]]\nname = \"current_offset\"\njoints = [1]\n\

@@ -7,12 +7,13 @@ use crate::request::Question;
 use crate::verdict::{open_rivals, share_left};
 use crate::vocabulary::{Effect, Presence};
 
-/// An effect on some joints.
-#[derive(Debug, Clone)]
+/// An effect, or a structure of drives, on some joints.
+#[derive(Debug, Clone, Default)]
 pub struct Subject {
-    pub effect: &'static Effect,
+    pub id: &'static str,
     pub joints: Vec<usize>,
-    /// Index of the candidate.
+    pub is_whole_arm: bool,
+    /// Index of the candidate of an effect.
     pub(super) candidate: usize,
     pub(super) switches: Vec<Switch>,
 }
@@ -20,12 +21,12 @@ pub struct Subject {
 impl Subject {
     /// The effect of a hypothesis.
     pub(super) fn of(group: &Group) -> Self {
-        Self {
-            effect: group.effect,
-            joints: group.joints.clone(),
-            candidate: group.candidate,
-            switches: group.switches.clone(),
-        }
+        Self::of_effect(group.effect, &group.joints, group.candidate, group.switches.clone())
+    }
+
+    fn of_effect(effect: &Effect, joints: &[usize], candidate: usize, switches: Vec<Switch>) -> Self {
+        let Effect { id, is_whole_arm, .. } = *effect;
+        Self { id, joints: joints.to_vec(), is_whole_arm, candidate, switches }
     }
 }
 
@@ -38,30 +39,25 @@ pub enum Doubt {
         claimed: Subject,
         /// What does as well.
         rival: Subject,
-        /// The two, with everything else that is claimed.
-        explanations: Box<[Explanation; 2]>,
     },
     /// An effect describes the recordings and fails a test: it may be there or not.
-    Indicated {
-        /// What is indicated.
-        subject: Subject,
-        /// With it and without it.
-        explanations: Box<[Explanation; 2]>,
-    },
+    Indicated(Subject),
     /// The model takes up the effect's torque in these motions, so that they can neither show nor exclude it.
-    Absorbed {
-        /// What is not decidable.
-        subject: Subject,
-        /// Columns of the other laws that its torque may be taken for.
-        rivals: Vec<Vec<Switch>>,
-    },
-    /// A parameter is known less well than is wanted.
-    Wide {
-        /// The claim that it is of.
-        subject: Subject,
-        /// What is wanted.
-        wanted: DeviationGoal,
-    },
+    Absorbed(Subject),
+    /// A parameter of a claim, or of a structure, is known less well than is wanted.
+    Wide(Subject, DeviationGoal),
+}
+
+/// Explanations of the recordings that a doubt is between.
+#[derive(Debug)]
+pub(super) enum Contest {
+    /// Two claims, each with everything else that is claimed.
+    Rivals(Box<[Explanation; 2]>),
+    /// The model with the effect and without it.
+    Indicated(Box<[Explanation; 2]>),
+    /// Columns of the other laws that the effect's torque may be taken for.
+    Absorbed(Subject, Vec<Vec<Switch>>),
+    Wide(Subject, DeviationGoal),
 }
 
 /// A standard deviation that a parameter shall have at most.
@@ -75,14 +71,14 @@ pub struct DeviationGoal {
 
 /// A model of the recordings: which coefficients, and their values.
 #[derive(Debug, Clone)]
-pub struct ModelFit {
+pub(super) struct ModelFit {
     pub(super) switches: Vec<Switch>,
     pub(super) coefficients: Vec<f64>,
 }
 
 /// A model of the recordings as the truth, and as a rival of the truth.
 #[derive(Debug, Clone)]
-pub struct Explanation {
+pub(super) struct Explanation {
     /// The laws in the shapes that were estimated.
     pub(super) truth: ModelFit,
     /// The same with the law in question in all shapes in which it was proposed: another shape may suit the motion better.
@@ -100,8 +96,8 @@ impl Doubt {
     /// The candidates that it is about.
     pub(super) fn candidates(&self) -> Vec<usize> {
         match self {
-            Self::Rivals { claimed, rival, .. } => vec![claimed.candidate, rival.candidate],
-            Self::Indicated { subject, .. } | Self::Absorbed { subject, .. } | Self::Wide { subject, .. } => {
+            Self::Rivals { claimed, rival } => vec![claimed.candidate, rival.candidate],
+            Self::Indicated(subject) | Self::Absorbed(subject) | Self::Wide(subject, _) => {
                 vec![subject.candidate]
             }
         }
@@ -114,7 +110,7 @@ pub(super) fn doubts(
     investigation: &Investigation,
     fitted: &Fitted,
     wanted: &[DeviationGoal],
-) -> Vec<Doubt> {
+) -> Vec<(Doubt, Contest)> {
     let Investigation { problem, groups, selection, .. } = investigation;
     let of_group = |g: usize| Subject::of(&groups[g]);
     let explained = |of: &mut dyn Iterator<Item = usize>, law: Option<usize>| {
@@ -137,10 +133,7 @@ pub(super) fn doubts(
                 continue;
             }
             let explanations = [explained(&mut claimed(), Some(one.group)), explained(&mut others(), None)];
-            found.push(Doubt::Indicated {
-                subject: of_group(one.group),
-                explanations: Box::new(explanations),
-            });
+            found.push((Doubt::Indicated(of_group(one.group)), Contest::Indicated(Box::new(explanations))));
             continue;
         }
         for rival in open_rivals(investigation, one, fitted) {
@@ -148,11 +141,8 @@ pub(super) fn doubts(
                 explained(&mut claimed(), Some(one.group)),
                 explained(&mut others().chain([rival.group]), Some(rival.group)),
             ];
-            found.push(Doubt::Rivals {
-                claimed: of_group(one.group),
-                rival: of_group(rival.group),
-                explanations: Box::new(explanations),
-            });
+            let doubt = Doubt::Rivals { claimed: of_group(one.group), rival: of_group(rival.group) };
+            found.push((doubt, Contest::Rivals(Box::new(explanations))));
         }
     }
     for indicated in &investigation.indicated {
@@ -162,12 +152,13 @@ pub(super) fn doubts(
         }
         let explanations =
             [explained(&mut claimed().chain([group]), Some(group)), explained(&mut claimed(), None)];
-        found.push(Doubt::Indicated { subject: of_group(group), explanations: Box::new(explanations) });
+        found.push((Doubt::Indicated(of_group(group)), Contest::Indicated(Box::new(explanations))));
     }
     for wanted in wanted {
         let has = |g: &usize| groups[*g].effect.parameter(&wanted.parameter).is_some();
         let subjects = claimed().filter(has).map(of_group);
-        found.extend(subjects.map(|subject| Doubt::Wide { subject, wanted: wanted.clone() }));
+        let both = |s: Subject| (Doubt::Wide(s.clone(), wanted.clone()), Contest::Wide(s, wanted.clone()));
+        found.extend(subjects.map(both));
     }
     found.extend(absorbed(question, investigation));
     found
@@ -191,7 +182,7 @@ fn other_shapes(investigation: &Investigation, law: usize) -> impl Iterator<Item
 }
 
 /// What the model absorbs in the present motions: of each effect and joint the candidate of which most is left.
-fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt> {
+fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<(Doubt, Contest)> {
     let target = investigation.problem.has_target();
     let mut most: Vec<(Subject, f64)> = Vec::new();
     for (index, candidate) in investigation.candidates.iter().enumerate() {
@@ -200,15 +191,10 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
         if candidate.proposal.presence == Presence::Change && !target {
             continue;
         }
-        let subject = Subject {
-            effect: candidate.effect,
-            joints: candidate.proposal.joints.clone(),
-            candidate: index,
-            switches: columns_of(candidate, target_only),
-        };
-        let same = |(known, _): &&mut (Subject, f64)| {
-            known.effect == subject.effect && known.joints == subject.joints
-        };
+        let (joints, columns) = (&candidate.proposal.joints, columns_of(candidate, target_only));
+        let subject = Subject::of_effect(candidate.effect, joints, index, columns);
+        let same =
+            |(known, _): &&mut (Subject, f64)| known.id == subject.id && known.joints == subject.joints;
         match most.iter_mut().find(same) {
             Some(known) if known.1 >= share => {}
             Some(known) => *known = (subject, share),
@@ -216,8 +202,11 @@ fn absorbed(question: &Question<'_>, investigation: &Investigation) -> Vec<Doubt
         }
     }
     let hidden = most.into_iter().filter(|(_, share)| *share < question.selection.free_share);
-    let doubt = |(subject, _)| Doubt::Absorbed { rivals: rivals_of(investigation, &subject), subject };
-    hidden.map(doubt).collect()
+    let both = |(subject, _): (Subject, f64)| {
+        let contest = Contest::Absorbed(subject.clone(), rivals_of(investigation, &subject));
+        (Doubt::Absorbed(subject), contest)
+    };
+    hidden.map(both).collect()
 }
 
 /// The coefficients of a candidate.
@@ -233,14 +222,15 @@ fn columns_of(candidate: &Candidate, target_only: bool) -> Vec<Switch> {
 fn rivals_of(investigation: &Investigation, subject: &Subject) -> Vec<Vec<Switch>> {
     let target_only = subject.switches.first().is_some_and(|s| s.target_only);
     let freedoms = |c: &Candidate| c.columns.len() + c.proposal.shapes.len();
-    let own = freedoms(&investigation.candidates[subject.candidate]);
+    let itself = &investigation.candidates[subject.candidate];
+    let own = freedoms(itself);
     let is_rival = |other: &&Candidate| {
         let is_simple = other.columns.len() <= subject.switches.len() || freedoms(other) <= own;
         let meets = other.proposal.joints.iter().any(|j| subject.joints.contains(j));
         let is_tried = target_only || other.proposal.presence != Presence::Change;
         other.registered.is_none()
-            && other.effect != subject.effect
-            && !other.effect.is_same_force(subject.effect)
+            && other.effect != itself.effect
+            && !other.effect.is_same_force(itself.effect)
             && is_simple
             && is_tried
             && (meets || *other.effect == torque_constant::EFFECT)

@@ -21,11 +21,15 @@
 //!
 //! Moments add, so that those of a motion are the sum of those of its pieces.
 
+mod discriminator;
 mod doubt;
+mod drives;
 mod motion;
 mod outlook;
 
+pub use discriminator::Discriminator;
 pub use doubt::{DeviationGoal, Doubt, Subject};
+pub use drives::{DriveDiscrimination, DriveMoments};
 pub use motion::MotionMoments;
 pub use outlook::{Interval, Outlook};
 
@@ -33,12 +37,17 @@ use aurt_calibration::{ONE_SIDED_5, student};
 use aurt_plugins::Registry;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::gram::Moments;
 use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
-use doubt::doubts;
+use aurt_recording::Recording;
+use doubt::{Contest, doubts};
+use motion::add;
+use outlook::together;
 
 /// The doubts of a diagnosis, and what a motion would do about them.
 #[derive(Debug)]
@@ -57,6 +66,7 @@ pub struct Discrimination<'a> {
     /// The model that the investigation ends with.
     fitted: Fitted,
     doubts: Vec<Doubt>,
+    contests: Vec<Contest>,
 }
 
 impl<'a> Discrimination<'a> {
@@ -73,19 +83,90 @@ impl<'a> Discrimination<'a> {
         let Investigation { problem, base_switches, floor, .. } = investigation;
         let base_weights = of_moved_joints(problem, weighted_fit(problem, base_switches, floor).1);
         let weights = of_moved_joints(problem, weights);
-        let doubts = doubts(question, investigation, &fitted, wanted);
+        let (doubts, contests) = doubts(question, investigation, &fitted, wanted).into_iter().unzip();
         let independent_hz = share * mean_rate_hz(&investigation.rows);
         let reduction = question.selection.least_log_error(independent_hz).exp_m1();
-        Self { question, investigation, registry, weights, share, reduction, base_weights, fitted, doubts }
+        Self {
+            question,
+            investigation,
+            registry,
+            weights,
+            share,
+            reduction,
+            base_weights,
+            fitted,
+            doubts,
+            contests,
+        }
     }
+}
 
-    /// The open questions, those of claims first.
-    pub fn doubts(&self) -> &[Doubt] {
+impl Discriminator for Discrimination<'_> {
+    type Planned = MotionMoments;
+
+    fn doubts(&self) -> &[Doubt] {
         &self.doubts
     }
 
-    /// The expected logarithm of the ratio of likelihoods from which a diagnosis decides rightly with a probability.
-    pub fn nats_to_decide(&self, probability: f64) -> f64 {
+    fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
+        self.moments(motion)
+    }
+
+    fn and(&self, mut one: MotionMoments, other: &MotionMoments) -> MotionMoments {
+        add(&mut one.moments, &other.moments);
+        one.largest.iter_mut().zip(&other.largest).for_each(|(most, other)| *most = most.max(*other));
+        one
+    }
+
+    fn recorded_again(&self, other: &MotionMoments) -> Result<MotionMoments, DiagnosisError> {
+        let total = self.investigation.problem.total();
+        let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
+        let share = rows(&other.moments) / rows(total).max(1.0);
+        let mut moments = other.moments.clone();
+        for (sum, moments) in moments.iter_mut().flatten().zip(total.iter().flatten()) {
+            sum.scale(0.0);
+            sum.add(moments, share);
+        }
+        Ok(MotionMoments { moments, largest: Vec::new() })
+    }
+
+    fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
+        let all = together(self.investigation.problem.total(), planned);
+        let mut absorbed = self.free(doubts, &all).into_iter();
+        let outlook = |k: &usize| match &self.contests[*k] {
+            Contest::Absorbed(subject, _) => {
+                self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
+            }
+            Contest::Rivals(explanations) => self.of_rivals(explanations, planned),
+            Contest::Indicated(explanations) => self.of_indicated(explanations, &all),
+            Contest::Wide(subject, wanted) => self.of_wide(subject, wanted, &all),
+        };
+        doubts.iter().map(outlook).collect()
+    }
+
+    fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
+        let after = self.narrowed(&together(self.investigation.problem.total(), planned));
+        let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
+        groups
+            .map(|group| {
+                let subject = Subject::of(group);
+                let intervals = self.intervals_of(&subject, &after);
+                (subject, intervals)
+            })
+            .collect()
+    }
+
+    fn largest<'m>(&self, planned: &'m MotionMoments) -> &'m [f64] {
+        &planned.largest
+    }
+
+    fn encoders(&self) -> Vec<[f64; 2]> {
+        let noise = self.investigation.noise.first();
+        let positions = noise.iter().flat_map(|noise| &noise.positions);
+        positions.map(|position| [position.step_rad.unwrap_or(0.0), position.white_rad]).collect()
+    }
+
+    fn nats_to_decide(&self, probability: f64) -> f64 {
         let blocks = self.investigation.problem.blocks();
         2.0 * (decisive(blocks) + Normal::standard().inverse_cdf(probability)).powi(2)
     }

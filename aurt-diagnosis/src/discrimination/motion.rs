@@ -15,18 +15,7 @@ use crate::vocabulary::Addition;
 #[derive(Debug, Clone)]
 pub struct MotionMoments {
     pub(super) moments: [Vec<Moments>; 2],
-    /// The largest torque of each joint that the model of the diagnosis predicts, in the measurement's unit.
-    pub largest: Vec<f64>,
-}
-
-impl MotionMoments {
-    /// The moments of two motions, one after the other.
-    #[must_use]
-    pub fn and(mut self, other: &Self) -> Self {
-        add(&mut self.moments, &other.moments);
-        self.largest.iter_mut().zip(&other.largest).for_each(|(most, other)| *most = most.max(*other));
-        self
-    }
+    pub(super) largest: Vec<f64>,
 }
 
 pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
@@ -36,25 +25,9 @@ pub(super) fn add(sums: &mut [Vec<Moments>; 2], others: &[Vec<Moments>; 2]) {
 }
 
 impl Discrimination<'_> {
-    /// The motions that the diagnosis fitted, recorded again for as long as another.
-    pub fn recorded_again(&self, other: &MotionMoments) -> MotionMoments {
-        let total = self.investigation.problem.total();
-        let rows = |of: &[Vec<Moments>; 2]| of.iter().flatten().map(|m| m.rows).sum::<f64>();
-        let share = rows(&other.moments) / rows(total).max(1.0);
-        let mut moments = other.moments.clone();
-        for (sum, moments) in moments.iter_mut().flatten().zip(total.iter().flatten()) {
-            sum.scale(0.0);
-            sum.add(moments, share);
-        }
-        MotionMoments { moments, largest: Vec::new() }
-    }
-
     /// The motion of a recording whose measurement is still unknown; what stands in its place is not used. It is filtered as
     /// the others were, and belongs to the targets where there are some.
-    ///
-    /// # Errors
-    /// What preprocessing and evaluation report.
-    pub fn planned(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
+    pub(super) fn moments(&self, motion: &Recording) -> Result<MotionMoments, DiagnosisError> {
         let Self { question, investigation, .. } = self;
         let (role, options) = self.like();
         let mut data = preprocess(motion, options)?;
@@ -119,13 +92,6 @@ impl Discrimination<'_> {
             torque.into_iter().fold(0.0, |most: f64, torque| most.max(torque.abs()))
         };
         rows.joints.iter().zip(&investigation.layout.rows).map(of_joint).collect()
-    }
-
-    /// Step and white noise of each joint's positions, rad, as they were recorded.
-    pub fn encoders(&self) -> Vec<[f64; 2]> {
-        let noise = self.investigation.noise.first();
-        let positions = noise.iter().flat_map(|noise| &noise.positions);
-        positions.map(|position| [position.step_rad.unwrap_or(0.0), position.white_rad]).collect()
     }
 
     /// The part that a further recording takes, and how it is read: as the last of those in question.

@@ -1,6 +1,6 @@
 use serde_json::Value;
 
-use super::doubt::{DeviationGoal, Doubt, Explanation, ModelFit, Subject};
+use super::doubt::{Contest, DeviationGoal, Explanation, ModelFit, Subject};
 use super::motion::{MotionMoments, add};
 use super::{Discrimination, claimed, decided};
 use crate::evidence::gram::{Moments, dot};
@@ -23,7 +23,8 @@ pub struct Outlook {
     /// The evidence of the motion: the expected logarithm of the ratio of likelihoods, or the square of the ratio of the wanted
     /// deviation to that which is left. Other than a probability it still grows where the doubt is all but settled.
     pub evidence: f64,
-    /// Share of the torque that the other explanation, or the model, cannot take up.
+    /// Share of the torque that the other explanation, or the model, cannot take up; of positions its root mean square in units of
+    /// what a model is expected to miss.
     pub free: f64,
     /// The parameter in question, now and after the motion.
     pub interval: Option<Interval>,
@@ -42,41 +43,17 @@ pub struct Interval {
     pub after: f64,
 }
 
+impl Outlook {
+    /// That of a parameter whose deviation shall be a `wanted` one.
+    pub(super) fn of_width(interval: Option<Interval>, wanted: f64) -> Self {
+        let ratio = interval.as_ref().map_or(0.0, |i| wanted / i.after);
+        let (settled, evidence) = (ratio.min(1.0), ratio * ratio);
+        Self { nats: None, settled, wrongly: 0.0, evidence, free: 1.0, interval }
+    }
+}
+
 impl Discrimination<'_> {
-    /// The outlook of every doubt, in the order of [`Discrimination::doubts`].
-    pub fn outlook(&self, planned: &MotionMoments) -> Vec<Outlook> {
-        self.outlook_of(&(0..self.doubts.len()).collect::<Vec<_>>(), planned)
-    }
-
-    /// The same of some doubts.
-    pub fn outlook_of(&self, doubts: &[usize], planned: &MotionMoments) -> Vec<Outlook> {
-        let all = together(self.investigation.problem.total(), planned);
-        let mut absorbed = self.free(doubts, &all).into_iter();
-        let outlook = |k: &usize| match &self.doubts[*k] {
-            Doubt::Absorbed { subject, .. } => {
-                self.of_absorbed(subject, absorbed.next().unwrap_or_default(), &all)
-            }
-            Doubt::Rivals { explanations, .. } => self.of_rivals(explanations, planned),
-            Doubt::Indicated { explanations, .. } => self.of_indicated(explanations, &all),
-            Doubt::Wide { subject, wanted } => self.of_wide(subject, wanted, &all),
-        };
-        doubts.iter().map(outlook).collect()
-    }
-
-    /// Deviations of all parameters of what is claimed, now and with a motion recorded.
-    pub fn intervals(&self, planned: &MotionMoments) -> Vec<(Subject, Vec<Interval>)> {
-        let after = self.narrowed(&together(self.investigation.problem.total(), planned));
-        let groups = self.investigation.selection.chosen.iter().map(|c| &self.investigation.groups[c.group]);
-        groups
-            .map(|group| {
-                let subject = Subject::of(group);
-                let intervals = self.intervals_of(&subject, &after);
-                (subject, intervals)
-            })
-            .collect()
-    }
-
-    fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
+    pub(super) fn of_rivals(&self, [one, other]: &[Explanation; 2], planned: &MotionMoments) -> Outlook {
         let problem = &self.investigation.problem;
         let ways = [(one, other), (other, one)].map(|(truth, rival)| {
             self.apart(&truth.truth, &rival.rival, &planned.moments, Some(problem.total()))
@@ -87,28 +64,34 @@ impl Discrimination<'_> {
         Outlook { nats: Some(nats), settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    fn of_indicated(&self, [with, without]: &[Explanation; 2], all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_indicated(
+        &self,
+        [with, without]: &[Explanation; 2],
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let Apart { nats, free } = self.apart(&with.truth, &without.rival, all, None);
         let [settled, wrongly] = self.claimed(nats);
         Outlook { nats: None, settled, wrongly, evidence: nats, free, interval: None }
     }
 
-    fn of_wide(&self, subject: &Subject, wanted: &DeviationGoal, all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_wide(
+        &self,
+        subject: &Subject,
+        wanted: &DeviationGoal,
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let of_subject = self.intervals_of(subject, &self.narrowed(all));
         let interval = of_subject.into_iter().find(|i| i.parameter == wanted.parameter);
-        let ratio = interval.as_ref().map_or(0.0, |i| wanted.std / i.after);
-        Outlook {
-            nats: None,
-            settled: ratio.min(1.0),
-            wrongly: 0.0,
-            evidence: ratio * ratio,
-            free: 1.0,
-            interval,
-        }
+        Outlook::of_width(interval, wanted.std)
     }
 
     /// The outlook of an effect that the present recordings absorb, if all together leave shares of its torque free.
-    fn of_absorbed(&self, subject: &Subject, free: FreeShares, all: &[Vec<Moments>; 2]) -> Outlook {
+    pub(super) fn of_absorbed(
+        &self,
+        subject: &Subject,
+        free: FreeShares,
+        all: &[Vec<Moments>; 2],
+    ) -> Outlook {
         let rows = |j: &usize| all.iter().map(|kind| kind[*j].rows).sum::<f64>();
         let independent = self.share * subject.joints.iter().map(rows).fold(0.0, f64::max);
         let nats = 0.5 * independent * free.of_model.min(free.of_rival).powi(2);
@@ -187,7 +170,7 @@ impl Discrimination<'_> {
     }
 
     /// Shares of the torques of the absorbed ones among doubts that are free in the present recordings and the motion together.
-    fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<FreeShares> {
+    pub(super) fn free(&self, doubts: &[usize], all: &[Vec<Moments>; 2]) -> Vec<FreeShares> {
         let problem = &self.investigation.problem;
         let model = &self.fitted.switches[..];
         let (n, weights) = (model.len(), &self.base_weights[..]);
@@ -203,7 +186,7 @@ impl Discrimination<'_> {
         let mut places = |law: &[Switch]| law.iter().map(&mut place).collect::<Vec<usize>>();
         let mut laws: Vec<(Vec<usize>, Vec<Vec<usize>>)> = Vec::new();
         for doubt in doubts {
-            if let Doubt::Absorbed { subject, rivals } = &self.doubts[*doubt] {
+            if let Contest::Absorbed(subject, rivals) = &self.contests[*doubt] {
                 laws.push((places(&subject.switches), rivals.iter().map(|rival| places(rival)).collect()));
             }
         }
@@ -218,7 +201,7 @@ impl Discrimination<'_> {
 
     /// The deviations of all coefficients with the motion recorded: those of now, less by what the motion adds to the
     /// information.
-    fn narrowed(&self, all: &[Vec<Moments>; 2]) -> Vec<f64> {
+    pub(super) fn narrowed(&self, all: &[Vec<Moments>; 2]) -> Vec<f64> {
         let fitted = &self.fitted;
         let problem = &self.investigation.problem;
         let switches = &fitted.switches;
@@ -229,7 +212,7 @@ impl Discrimination<'_> {
         fitted.deviations.iter().enumerate().map(|(k, std)| std * ratio(k)).collect()
     }
 
-    fn intervals_of(&self, subject: &Subject, after: &[f64]) -> Vec<Interval> {
+    pub(super) fn intervals_of(&self, subject: &Subject, after: &[f64]) -> Vec<Interval> {
         let fitted = &self.fitted;
         let candidate = &self.investigation.candidates[subject.candidate];
         let target_only = subject.switches.first().is_some_and(|s| s.target_only);
@@ -242,7 +225,7 @@ impl Discrimination<'_> {
         });
         let narrowed: Vec<_> = narrowed.collect();
         let [now, then] = [&columns, &narrowed].map(|columns| {
-            reported(subject.effect, subject.effect.estimated(&candidate.proposal, columns, &own))
+            reported(candidate.effect, candidate.effect.estimated(&candidate.proposal, columns, &own))
         });
         let interval = |(name, now): (String, crate::ParameterValue)| {
             let then = then.get(&name)?;
@@ -256,7 +239,7 @@ impl Discrimination<'_> {
 
 /// Shares of an effect's torque that are free.
 #[derive(Debug, Clone, Copy, Default)]
-struct FreeShares {
+pub(super) struct FreeShares {
     /// Beside the model.
     of_model: f64,
     /// Beside the model and the rival that takes most of it.
@@ -301,7 +284,7 @@ struct Apart {
 }
 
 /// Moments of the present recordings and of a motion.
-fn together(present: &[Vec<Moments>; 2], planned: &MotionMoments) -> [Vec<Moments>; 2] {
+pub(super) fn together(present: &[Vec<Moments>; 2], planned: &MotionMoments) -> [Vec<Moments>; 2] {
     let mut all = present.clone();
     add(&mut all, &planned.moments);
     all

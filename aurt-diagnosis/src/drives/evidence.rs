@@ -23,7 +23,7 @@ pub const FEWEST_BLOCKS: usize = 8;
 /// The share of the squared difference of two predictions whose blocks decide between them.
 const ACTING: f64 = 0.95;
 /// Blocks of fewer do not decide.
-const FEWEST_ACTING: usize = 4;
+pub(super) const FEWEST_ACTING: usize = 4;
 /// Samples of a block from which the difference of two predictions is taken, at most.
 const SAMPLES: usize = 64;
 
@@ -31,31 +31,31 @@ const SAMPLES: usize = 64;
 #[derive(Debug, Clone)]
 pub struct Missed {
     /// Blocks of time, by recording.
-    blocks: Vec<Vec<Block>>,
+    pub(super) blocks: Vec<Vec<Block>>,
     /// Root mean square of q_sim − q by joint, rad.
     pub rms_rad: Vec<f64>,
     /// Mean loss by joint in units of σ²: a mean square in which large errors weigh less.
-    loss: Vec<f64>,
+    pub(super) loss: Vec<f64>,
 }
 
 /// What is missed of some seconds.
 #[derive(Debug, Clone, Default)]
-struct Block {
-    samples: f64,
+pub(super) struct Block {
+    pub(super) samples: f64,
     /// Losses by joint.
-    loss: Vec<f64>,
+    pub(super) loss: Vec<f64>,
     /// Errors of some of the samples, joint by joint.
-    errors_rad: Vec<f32>,
+    pub(super) errors_rad: Vec<f32>,
 }
 
 impl Block {
-    /// Negative log-likelihood in nats.
-    fn nats(&self) -> f64 {
-        self.loss.iter().map(|l| 0.5 * self.samples * libm::log1p(l / self.samples)).sum()
+    /// Negative log-likelihood in nats, if the mean loss of each joint is larger by an `excess`.
+    pub(super) fn nats(&self, excess: f64) -> f64 {
+        self.loss.iter().map(|l| 0.5 * self.samples * libm::log1p(l / self.samples + excess)).sum()
     }
 
     /// The squared difference of two predictions, in rad².
-    fn apart(&self, other: &Self) -> f64 {
+    pub(super) fn apart(&self, other: &Self) -> f64 {
         let pairs = self.errors_rad.iter().zip(&other.errors_rad);
         pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum()
     }
@@ -119,6 +119,18 @@ impl Missed {
         Ok(Self { blocks, rms_rad: squares.iter().map(|s| (s / samples).sqrt()).collect(), loss })
     }
 
+    /// So many blocks at most, spread over all recordings; not the ends of these, which are shorter.
+    pub(super) fn some_blocks(&self, most: usize) -> Vec<&Block> {
+        let longest = self.blocks.iter().flatten().map(|b| b.samples).fold(0.0, f64::max);
+        let whole: Vec<&Block> = self
+            .blocks
+            .iter()
+            .flatten()
+            .filter(|b| 2.0 * b.samples > longest && !b.errors_rad.is_empty())
+            .collect();
+        whole.iter().step_by(whole.len().div_ceil(most).max(1)).copied().collect()
+    }
+
     /// Root mean square over all joints, rad.
     pub fn rms_all_rad(&self) -> f64 {
         (self.rms_rad.iter().map(|r| r * r).sum::<f64>() / self.rms_rad.len().max(1) as f64).sqrt()
@@ -149,24 +161,12 @@ pub fn compare(better: &Missed, worse: &Missed, options: &Options) -> Comparison
     let gains: Vec<Vec<Option<f64>>> = pairs()
         .map(|blocks| {
             blocks
-                .map(|(b, w)| (b.samples > 0.0 && b.apart(w) >= least).then(|| w.nats() - b.nats()))
+                .map(|(b, w)| (b.samples > 0.0 && b.apart(w) >= least).then(|| w.nats(0.0) - b.nats(0.0)))
                 .collect()
         })
         .collect();
-    let blocks = gains.iter().flatten().flatten().count();
-    let n = blocks as f64;
-    let mean = gains.iter().flatten().flatten().sum::<f64>() / n;
-    let lags = libm::cbrt(n) as usize;
-    let product = |lag: usize| -> f64 {
-        let own = |g: &Vec<Option<f64>>| -> f64 {
-            let both = |k: usize| Some((g[k]? - mean) * (g[k - lag]? - mean));
-            (lag..g.len()).filter_map(both).sum()
-        };
-        gains.iter().map(own).sum::<f64>() / (n - 1.0).max(1.0)
-    };
-    let later: f64 = (1..=lags).map(|l| 2.0 * (1.0 - l as f64 / (lags + 1) as f64) * product(l)).sum();
-    // Neighbours that alternate do not make the mean surer than independent ones.
-    let deviation = ((product(0) + later.max(0.0)) / n).sqrt();
+    let [n, mean, deviation] = mean_of(&gains);
+    let blocks = n as usize;
     let probability = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0))
         .ok()
         .filter(|_| deviation > 0.0 && all_blocks >= FEWEST_BLOCKS && blocks >= FEWEST_ACTING)
@@ -184,8 +184,25 @@ pub fn compare(better: &Missed, worse: &Missed, options: &Options) -> Comparison
     }
 }
 
+/// The count of gains by block of each recording, their mean, and the long-run deviation of that.
+pub(super) fn mean_of(gains: &[Vec<Option<f64>>]) -> [f64; 3] {
+    let n = gains.iter().flatten().flatten().count() as f64;
+    let mean = gains.iter().flatten().flatten().sum::<f64>() / n;
+    let lags = libm::cbrt(n) as usize;
+    let product = |lag: usize| -> f64 {
+        let own = |g: &Vec<Option<f64>>| -> f64 {
+            let both = |k: usize| Some((g[k]? - mean) * (g[k - lag]? - mean));
+            (lag..g.len()).filter_map(both).sum()
+        };
+        gains.iter().map(own).sum::<f64>() / (n - 1.0).max(1.0)
+    };
+    let later: f64 = (1..=lags).map(|l| 2.0 * (1.0 - l as f64 / (lags + 1) as f64) * product(l)).sum();
+    // Neighbours that alternate do not make the mean surer than independent ones.
+    [n, mean, ((product(0) + later.max(0.0)) / n).sqrt()]
+}
+
 /// The least squared difference of two predictions of a block that decides.
-fn least_that_decides(mut apart: Vec<f64>) -> f64 {
+pub(super) fn least_that_decides(mut apart: Vec<f64>) -> f64 {
     apart.sort_by(|a, b| b.total_cmp(a));
     let wanted = ACTING * apart.iter().sum::<f64>();
     let mut sum = 0.0;

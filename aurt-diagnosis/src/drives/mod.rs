@@ -14,9 +14,11 @@
 //! Another structure that would have been added and predicts as well as the one that was is named as its alternative.
 
 mod evidence;
+mod foresight;
 mod structures;
 
 pub use evidence::{Comparison, FEWEST_BLOCKS, Missed, compare};
+pub(crate) use foresight::{BlockApart, Foresight};
 pub use structures::{STRUCTURES, Structure, deciders};
 
 use aurt_calibration::drives::{
@@ -102,22 +104,50 @@ pub struct Diagnosis {
     pub selection: Selection,
     /// Every structure that was examined: needed and missing ones first, the largest gain first.
     pub findings: Vec<Finding>,
+    /// The improved model, its deviations without what numbers that are given may be off.
+    pub(crate) model: JudgedFit,
+    pub(crate) contested: Vec<ContestedStructure>,
+    /// Those that [`diagnose`] was given, and what was asked of structures.
+    pub(crate) options: Options,
+    pub(crate) demands: Demands,
 }
 
 /// A model that was fitted and judged.
-#[derive(Clone)]
-struct Trial {
-    arm: DrivenArm,
-    selection: Selection,
-    fit: OutputErrorFit,
-    missed: Missed,
+#[derive(Debug, Clone)]
+pub(crate) struct JudgedFit {
+    pub(crate) arm: DrivenArm,
+    pub(crate) selection: Selection,
+    pub(crate) fit: OutputErrorFit,
+    pub(crate) missed: Missed,
 }
 
-struct Search<'a> {
-    fitted: &'a [DriveRecording],
-    held_out: &'a [DriveRecording],
-    options: &'a Options,
-    demands: &'a Demands,
+/// A structure that is not supported although predictions are better with it on average.
+#[derive(Debug, Clone)]
+pub(crate) struct ContestedStructure {
+    pub(crate) structure: Structure,
+    pub(crate) objection: Objection,
+    /// The improved model with it, or without it where it has it.
+    pub(crate) rival: JudgedFit,
+    /// True if the improved model lacks it.
+    pub(crate) is_absent: bool,
+    /// Probability of chance up to which it would be supported: its part of the false discovery rate.
+    pub(crate) level: f64,
+}
+
+/// What was added to a model, and what was not.
+struct Additions {
+    model: JudgedFit,
+    /// Structures with their alternatives.
+    added: Vec<(Structure, Vec<&'static str>)>,
+    findings: Vec<Finding>,
+    contested: Vec<ContestedStructure>,
+}
+
+pub(crate) struct Search<'a> {
+    pub(crate) fitted: &'a [DriveRecording],
+    pub(crate) held_out: &'a [DriveRecording],
+    pub(crate) options: &'a Options,
+    pub(crate) demands: &'a Demands,
 }
 
 /// Blocks of little held-out time are shorter, down to this share of [`Options::block_s`]: the variance of a mean knows that
@@ -140,14 +170,12 @@ pub fn diagnose(
     demands: &Demands,
     mut progress: impl FnMut(&str),
 ) -> Result<Diagnosis, DriveError> {
-    let lasts_s: f64 = held_out.iter().map(|r| r.time_s[r.time_s.len() - 1] - r.time_s[r.first]).sum();
-    let shortest_s = SHORTEST_BLOCK * options.block_s;
+    let given = options;
+    let (lasts_s, shortest_s) = (seconds(held_out), SHORTEST_BLOCK * options.block_s);
     if lasts_s < FEWEST_BLOCKS as f64 * shortest_s {
         return Err(DriveError::TooShort { needed_s: FEWEST_BLOCKS as f64 * shortest_s });
     }
-    // A block of each recording is a part of one.
-    let block_s = (lasts_s / (FEWEST_BLOCKS + held_out.len()) as f64).clamp(shortest_s, options.block_s);
-    let options = &Options { block_s, ..options.clone() };
+    let options = &Options { block_s: block_s(lasts_s, held_out.len(), options), ..options.clone() };
     let search = Search { fitted, held_out, options, demands };
     progress("the model as it is described");
     let described = search.trial(arm.clone(), selection.clone(), arm, options)?;
@@ -160,49 +188,9 @@ pub fn diagnose(
     }
     let examined: Vec<Structure> =
         STRUCTURES.into_iter().filter(|s| s.fits(arm) && demands.without.iter().all(|w| w != s.id)).collect();
-    let mut absent: Vec<Structure> = examined.iter().copied().filter(|s| !s.is_selected(selection)).collect();
-    let mut model = described.clone();
-    let mut added: Vec<(Structure, Vec<&'static str>)> = Vec::new();
-    let refused: Vec<Finding> = loop {
-        let mut tried = Vec::new();
-        for structure in &absent {
-            progress(&format!("with {}", structure.title));
-            if let Some(trial) = search.with(structure, &model) {
-                let comparison = compare(&trial.missed, &model.missed, options);
-                tried.push((*structure, trial, comparison));
-            }
-        }
-        // What did not get so far was tried as well.
-        let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
-        probabilities.resize(absent.len(), 1.0);
-        let largest = largest_of_claims(&probabilities, demands.level);
-        let objection = |(s, trial, c): &(Structure, Trial, Comparison)| {
-            search
-                .objection(Some((s, s.is_in(arm), &trial.fit)), c, largest)
-                .or_else(|| misfit(trial, &model))
-        };
-        let passes = |k: &usize| objection(&tried[*k]).is_none();
-        let best = (0..tried.len())
-            .filter(passes)
-            .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
-        let Some(best) = best else {
-            let refused = |t: &(Structure, Trial, Comparison)| {
-                let found = finding(t.0, Answer::NotSupported, false, &t.1.fit, t.2.clone());
-                Finding { objection: objection(t), ..found }
-            };
-            break tried.iter().filter(|(s, ..)| !s.is_in(arm)).map(refused).collect();
-        };
-        let rivals = (0..tried.len()).filter(|k| *k != best && passes(k));
-        let equal = |k: &usize| {
-            compare(&tried[best].1.missed, &tried[*k].1.missed, options).probability > demands.level
-        };
-        let alternatives: Vec<&'static str> = rivals.filter(equal).map(|k| tried[k].0.id).collect();
-        let (structure, trial, _) = tried.swap_remove(best);
-        absent.retain(|s| *s != structure);
-        added.push((structure, alternatives));
-        model = trial;
-    };
-
+    let Additions { mut model, added, mut findings, mut contested } =
+        search.additions(&described, &examined, &mut progress);
+    let narrow = model.clone();
     model.fit.widen(&model.selection, fitted, options)?;
     let mut taken = Vec::new();
     let is_taken = |s: &&Structure| {
@@ -211,24 +199,18 @@ pub fn diagnose(
     };
     for structure in examined.iter().filter(is_taken) {
         progress(&format!("without {}", structure.title));
-        let (arm, from) = [&model.arm, &model.fit.arm]
-            .map(|a| {
-                let mut a = a.clone();
-                structure.remove(&mut a);
-                a
-            })
-            .into();
-        let comparison = match search.trial(arm, structure.unselect(&model.selection), &from, options) {
-            Ok(trial) => compare(&model.missed, &trial.missed, options),
-            Err(DriveError::Diverged { .. }) => Comparison::against_divergence(&model.missed, blocks),
+        let (comparison, trial) = match search.without(structure, &model) {
+            Ok(trial) => (compare(&model.missed, &trial.missed, options), Some(trial)),
+            Err(DriveError::Diverged { .. }) => (Comparison::against_divergence(&model.missed, blocks), None),
             Err(error) => return Err(error),
         };
-        taken.push((*structure, comparison));
+        taken.push((*structure, comparison, trial));
     }
     let probabilities: Vec<f64> = taken.iter().map(|t| t.1.probability).collect();
     let largest = largest_of_claims(&probabilities, demands.level);
-    let mut findings = refused;
-    for (structure, comparison) in taken {
+    let claims = probabilities.iter().filter(|p| **p <= largest).count();
+    let level = (demands.level * (claims + 1) as f64 / probabilities.len().max(1) as f64).min(demands.level);
+    for (structure, comparison, trial) in taken {
         let addition = added.iter().find(|a| a.0 == structure);
         let is_given = addition.is_some() && structure.is_in(arm);
         // A scale that is free makes every number of what is there uncertain, and nothing the less needed.
@@ -240,6 +222,9 @@ pub fn diagnose(
             Some(_) => Answer::Missing,
             None => Answer::Needed,
         };
+        if let (Some(objection), Some(rival), true) = (objection, trial, comparison.gain_per_s > 0.0) {
+            contested.push(ContestedStructure { structure, objection, rival, is_absent: false, level });
+        }
         let mut found = finding(structure, answer, is_given || addition.is_none(), &model.fit, comparison);
         found.objection = objection;
         found.alternatives = addition.map_or_else(Vec::new, |a| a.1.clone());
@@ -256,21 +241,35 @@ pub fn diagnose(
         missed_improved: model.missed,
         selection: model.selection,
         findings,
+        model: narrow,
+        contested,
+        options: given.clone(),
+        demands: demands.clone(),
     })
 }
 
+pub(crate) fn seconds(recordings: &[DriveRecording]) -> f64 {
+    recordings.iter().map(|r| r.time_s[r.time_s.len() - 1] - r.time_s[r.first]).sum()
+}
+
+/// The length of the blocks of so many held-out recordings that last so long together; a block of each is a part of one.
+pub(crate) fn block_s(lasts_s: f64, recordings: usize, options: &Options) -> f64 {
+    let shortest_s = SHORTEST_BLOCK * options.block_s;
+    (lasts_s / (FEWEST_BLOCKS + recordings) as f64).clamp(shortest_s, options.block_s)
+}
+
 /// The cost of the fitted recordings with what numbers lower it by, as [`lowers`] asks for.
-fn worth(trial: &Trial) -> f64 {
+fn worth(trial: &JudgedFit) -> f64 {
     trial.fit.cost + 2.0 * trial.fit.numbers.len() as f64
 }
 
-fn misfit(trial: &Trial, model: &Trial) -> Option<Objection> {
+fn misfit(trial: &JudgedFit, model: &JudgedFit) -> Option<Objection> {
     (!lowers(trial, model)).then_some(Objection::Fit)
 }
 
 /// Whether the cost of the fitted recordings is lower than that of `model` by two for each number that was added: by chance
 /// alone it is lower by one.
-fn lowers(trial: &Trial, model: &Trial) -> bool {
+fn lowers(trial: &JudgedFit, model: &JudgedFit) -> bool {
     let more = trial.fit.numbers.len() - model.fit.numbers.len();
     model.fit.cost - trial.fit.cost >= 2.0 * more as f64
 }
@@ -288,21 +287,91 @@ fn finding(
 }
 
 impl Search<'_> {
+    /// The model with what it lacks: structures are added as long as one brings what is demanded.
+    fn additions(
+        &self,
+        described: &JudgedFit,
+        examined: &[Structure],
+        progress: &mut impl FnMut(&str),
+    ) -> Additions {
+        let mut absent: Vec<Structure> =
+            examined.iter().copied().filter(|s| !s.is_selected(&described.selection)).collect();
+        let mut model = described.clone();
+        let mut added: Vec<(Structure, Vec<&'static str>)> = Vec::new();
+        loop {
+            let mut tried = Vec::new();
+            for structure in &absent {
+                progress(&format!("with {}", structure.title));
+                if let Some(trial) = self.with(structure, &model) {
+                    let comparison = compare(&trial.missed, &model.missed, self.options);
+                    tried.push((*structure, trial, comparison));
+                }
+            }
+            // What did not get so far was tried as well.
+            let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
+            probabilities.resize(absent.len(), 1.0);
+            let largest = largest_of_claims(&probabilities, self.demands.level);
+            let objection = |(s, trial, c): &(Structure, JudgedFit, Comparison)| {
+                self.objection(Some((s, s.is_in(&described.arm), &trial.fit)), c, largest)
+                    .or_else(|| misfit(trial, &model))
+            };
+            let passes = |k: &usize| objection(&tried[*k]).is_none();
+            let best = (0..tried.len())
+                .filter(passes)
+                .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
+            let Some(best) = best else {
+                let level = self.demands.level / absent.len().max(1) as f64;
+                let refused = |t: &(Structure, JudgedFit, Comparison)| {
+                    let found = finding(t.0, Answer::NotSupported, false, &t.1.fit, t.2.clone());
+                    Finding { objection: objection(t), ..found }
+                };
+                let contested = tried.iter().filter(|t| t.2.gain_per_s > 0.0 && lowers(&t.1, &model));
+                let contested = contested.filter_map(|t| {
+                    let (structure, rival, objection) = (t.0, t.1.clone(), objection(t)?);
+                    Some(ContestedStructure { structure, objection, rival, is_absent: true, level })
+                });
+                let contested = contested.collect();
+                let findings = tried.iter().filter(|(s, ..)| !s.is_in(&described.arm)).map(refused).collect();
+                return Additions { model, added, findings, contested };
+            };
+            let rivals = (0..tried.len()).filter(|k| *k != best && passes(k));
+            let equal = |k: &usize| {
+                compare(&tried[best].1.missed, &tried[*k].1.missed, self.options).probability
+                    > self.demands.level
+            };
+            let alternatives: Vec<&'static str> = rivals.filter(equal).map(|k| tried[k].0.id).collect();
+            let (structure, trial, _) = tried.swap_remove(best);
+            absent.retain(|s| *s != structure);
+            added.push((structure, alternatives));
+            model = trial;
+        }
+    }
+
     fn trial(
         &self,
         arm: DrivenArm,
         selection: Selection,
         from: &DrivenArm,
         options: &Options,
-    ) -> Result<Trial, DriveError> {
+    ) -> Result<JudgedFit, DriveError> {
         let fit = output_error_from(&arm, &selection, self.fitted, options, from)?;
         let missed = Missed::of(&fit.arm, self.held_out, options)?;
-        Ok(Trial { arm, selection, fit, missed })
+        Ok(JudgedFit { arm, selection, fit, missed })
+    }
+
+    /// The model with a structure taken out.
+    pub(crate) fn without(&self, structure: &Structure, model: &JudgedFit) -> Result<JudgedFit, DriveError> {
+        let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
+            let mut a = a.clone();
+            structure.remove(&mut a);
+            a
+        });
+        self.trial(arm, structure.unselect(&model.selection), &from, self.options)
     }
 
     /// The model with a structure, estimated to the end if the first steps lower the cost of the fitted recordings by more than
     /// chance does; none if it cannot be simulated.
-    fn with(&self, structure: &Structure, model: &Trial) -> Option<Trial> {
+    pub(crate) fn with(&self, structure: &Structure, model: &JudgedFit) -> Option<JudgedFit> {
         let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
             let mut arm = a.clone();
             if !structure.is_in(a) {

@@ -28,8 +28,6 @@
 //! - B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit (1994), *A survey of models, analysis tools and
 //!   compensation methods for the control of machines with friction*, Automatica.
 
-use serde_json::json;
-
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
 pub static EFFECT: Effect = Effect {
@@ -40,10 +38,7 @@ pub static EFFECT: Effect = Effect {
     source: include_str!("coulomb.rs"),
     parameters: &[Parameter::new("coulomb_nm", Unit::Torque).never_negative()],
     propose: |context| {
-        let (level, shape) = (json!({"model": "constant"}), json!({"model": "sign"}));
-        (0..context.joints)
-            .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[]).bound(&[true]))
-            .collect()
+        Proposal::frictions(context.joints, "constant", &[]).map(|p| p.bound(&[true])).collect()
     },
     ..Effect::FRICTION
 };

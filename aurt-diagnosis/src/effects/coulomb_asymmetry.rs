@@ -24,8 +24,6 @@
 //! # References
 //! - B. Armstrong-Hélouvry (1991), *Control of Machines with Friction*.
 
-use serde_json::json;
-
 use crate::effects::{coulomb, current_offset};
 use crate::parameters::raised;
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
@@ -46,10 +44,7 @@ pub static EFFECT: Effect = Effect {
     generalises: &[&coulomb::EFFECT],
     contrast: &[1.0, -1.0],
     same_force: &[&current_offset::EFFECT],
-    propose: |context| {
-        let term = |j: usize| json!({"model": "coulomb_asymmetric", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "coulomb_asymmetric").collect(),
     estimate: Some(|proposal, fitted, own| EFFECT.named(proposal, &raised(fitted, own.coulomb_nm))),
     ..Effect::FRICTION
 };

@@ -19,8 +19,6 @@
 //! # References
 //! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 
-use serde_json::json;
-
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
 pub static EFFECT: Effect = Effect {
@@ -30,9 +28,6 @@ pub static EFFECT: Effect = Effect {
     decider: "the measurement with the drives off",
     source: include_str!("current_offset.rs"),
     parameters: &[Parameter::new("offset", Unit::Measurement)],
-    propose: |context| {
-        let term = |j: usize| json!({"model": "current_offset", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "current_offset").collect(),
     ..Effect::BASE
 };

@@ -24,8 +24,6 @@
 //! - P. Hamon, M. Gautier, P. Garrec (2010), *Dynamic identification of robots with a dry friction model
 //!   depending on load and velocity*.
 
-use serde_json::json;
-
 use crate::effects::load_dependent_friction;
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
@@ -43,9 +41,6 @@ pub static EFFECT: Effect = Effect {
     contrast: &[1.0, -1.0],
     reads_model: true,
     generalises: &[&load_dependent_friction::EFFECT],
-    propose: |context| {
-        let term = |j: usize| json!({"model": "drive_efficiency", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "drive_efficiency").collect(),
     ..Effect::BASE
 };

@@ -27,8 +27,6 @@
 //! - A. C. Bittencourt, S. Gunnarsson (2012), *Static friction in a robot joint – modeling and identification
 //!   of load and temperature effects*.
 
-use serde_json::json;
-
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::vocabulary::{Effect, Family, OwnFriction, Parameter, Proposal, Unit};
 
@@ -45,10 +43,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("new_viscous_nm_s", Unit::Damping).never_negative(),
     ],
     propose: |context| {
-        let (level, shape) = (json!({"model": "constant"}), json!({"model": "sign"}));
-        (0..context.joints)
-            .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[1]).of_targets())
-            .collect()
+        Proposal::frictions(context.joints, "constant", &[1]).map(|p| p.of_targets()).collect()
     },
     estimate: Some(estimate),
     ..Effect::FRICTION

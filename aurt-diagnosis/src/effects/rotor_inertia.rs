@@ -24,8 +24,6 @@
 //! # References
 //! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 
-use serde_json::json;
-
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
 pub static EFFECT: Effect = Effect {
@@ -37,9 +35,6 @@ pub static EFFECT: Effect = Effect {
     stays_beside_delays: true,
     source: include_str!("rotor_inertia.rs"),
     parameters: &[Parameter::new("inertia_kg_m2", Unit::Inertia).never_negative()],
-    propose: |context| {
-        let term = |j: usize| json!({"model": "rotor_inertia", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j)).bound(&[true])).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "rotor_inertia").map(|p| p.bound(&[true])).collect(),
     ..Effect::BASE
 };

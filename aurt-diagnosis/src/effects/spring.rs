@@ -25,8 +25,6 @@
 //! - R. Hooke (1678), *Lectures de potentia restitutiva, or of spring*.
 //! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 
-use serde_json::json;
-
 use crate::parameters::ParameterValue;
 use crate::vocabulary::{Effect, Family, Kind, Parameter, Proposal, Unit};
 
@@ -43,10 +41,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("rest_rad", Unit::Angle),
     ],
     is_essential: |coefficient| coefficient == 0,
-    propose: |context| {
-        let term = |j: usize| json!({"model": "spring", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j)).bound(&[true, false])).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "spring").map(|p| p.bound(&[true, false])).collect(),
     estimate: Some(|proposal, fitted, _| {
         let mut parameters = EFFECT.named(proposal, &fitted[..fitted.len().min(1)]);
         // The second coefficient is k q_0; it is unknown where an offset of the model has absorbed it.

@@ -23,8 +23,6 @@
 //! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 //! - B. Armstrong-Hélouvry (1991), *Control of Machines with Friction*.
 
-use serde_json::json;
-
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
 
 pub static EFFECT: Effect = Effect {
@@ -35,10 +33,7 @@ pub static EFFECT: Effect = Effect {
     source: include_str!("viscous.rs"),
     parameters: &[Parameter::new("viscous_nm_s", Unit::Damping).never_negative()],
     propose: |context| {
-        let (level, shape) = (json!({"model": "absent"}), json!({"model": "sign"}));
-        (0..context.joints)
-            .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[1]).bound(&[true]))
-            .collect()
+        Proposal::frictions(context.joints, "absent", &[1]).map(|p| p.bound(&[true])).collect()
     },
     ..Effect::FRICTION
 };

@@ -24,8 +24,6 @@
 //! - B. Armstrong-Hélouvry (1991), *Control of Machines with Friction*.
 //! - A. Janot, M. Gautier, M. Brunot (2019), *Data set and reference models of EMPS*.
 
-use serde_json::json;
-
 use crate::effects::viscous;
 use crate::parameters::raised;
 use crate::vocabulary::{Effect, Family, Parameter, Proposal, Unit};
@@ -43,10 +41,7 @@ pub static EFFECT: Effect = Effect {
     ],
     generalises: &[&viscous::EFFECT],
     contrast: &[1.0, -1.0],
-    propose: |context| {
-        let term = |j: usize| json!({"model": "viscous_asymmetric", "joints": [j]});
-        (0..context.joints).map(|j| Proposal::term(vec![j], term(j))).collect()
-    },
+    propose: |context| Proposal::terms(context.joints, "viscous_asymmetric").collect(),
     estimate: Some(|proposal, fitted, own| EFFECT.named(proposal, &raised(fitted, own.viscous_nm_s))),
     ..Effect::FRICTION
 };

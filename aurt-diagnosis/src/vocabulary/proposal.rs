@@ -89,6 +89,21 @@ impl Proposal {
         }
     }
 
+    /// A term for each joint.
+    pub(crate) fn terms(joints: usize, model: &'static str) -> impl Iterator<Item = Self> {
+        (0..joints).map(move |j| Self::term(vec![j], json!({ "model": model, "joints": [j] })))
+    }
+
+    /// A further stack for each joint: a level, of the sign of velocity, and powers of it.
+    pub(crate) fn frictions(
+        joints: usize,
+        coulomb: &'static str,
+        powers: &'static [u32],
+    ) -> impl Iterator<Item = Self> {
+        let [level, shape] = [coulomb, "sign"].map(|model| json!({ "model": model }));
+        (0..joints).map(move |j| Self::friction(j, level.clone(), shape.clone(), powers))
+    }
+
     /// A further stack of equation (6) on one joint, with the given powers of velocity.
     pub(crate) fn friction(joint: usize, coulomb: Value, hysteresis: Value, powers: &[u32]) -> Self {
         Self::stack(joint, coulomb, hysteresis, json!({ "model": "polynomial", "powers": powers }))

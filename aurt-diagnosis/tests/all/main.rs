@@ -5,6 +5,7 @@
 mod dice;
 mod drives;
 mod effects;
+mod next_drives;
 mod noise;
 mod real_ur10e;
 mod series;

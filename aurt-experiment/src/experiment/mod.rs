@@ -92,7 +92,7 @@ impl Experiment {
         let Some(drive) = &read.drive else { return Ok(read) };
         let complaint =
             Complaint::new(&drive.span, "[drive]: the recordings hold commands, and this needs torques")
-                .help("use `aurt run` and `aurt diagnose`, and `aurt predict` and `aurt export mjcf` with the drive_calibrated.json that it writes");
+                .help("use `aurt run`, `aurt diagnose` and `aurt next`, and `aurt predict` and `aurt export mjcf` with the drive_calibrated.json that it writes");
         Err(Box::new(ExperimentErrors::new(read.path, read.source_text, vec![complaint])).into())
     }
 

@@ -34,44 +34,7 @@ fn problems(text: &str) -> String {
     read(folder().path(), text).expect_err("this experiment is wrong")
 }
 
-const WHOLE: &str = r#"
-schema = 1
-[robot]
-mdh = "mdh.csv"
-mdh_rows = "next"
-gravity_m_s2 = [0, 0, -9.81]
-torque_constants_nm_per_a = [11.976, 9.839]
-[joint_dynamics]
-coulomb    = { model = "square" }
-hysteresis = { model = "sign" }
-viscous    = { model = "polynomial", powers = [1, 2, 3] }
-[[joint_dynamics.override]]
-joints = [1]
-coulomb = { model = "absolute" }
-[instrument]
-gains = [1, 1.02]
-offsets = [0.0, 0.1]
-delay_s = [0.0, 0.002]
-[recordings]
-calibration = ["a.csv", { file = "b.csv", window_s = [0.0, 30.0] }]
-validation  = [{ file = "c.csv", unit = "A", columns = { time = 0, position = [1, 2], measurement = ["i0", "i1"] } }]
-target = "b.csv"
-[preprocess]
-f_dyn_hz = 2.5
-sample_rate_hz = 100
-position_cutoff_hz = 8.0
-parallel_cutoff_hz = 5.0
-rest_velocity_rad_s = 0.02
-max_gap_s = 0.5
-trim_rest = false
-[calibration]
-estimator = "ols"
-load_torque = "literal"
-rest = "exclude"
-fit_shapes = false
-[sweep.grid]
-"joint_dynamics.coulomb" = [{ model = "constant" }, { model = "square" }]
-"#;
+const WHOLE: &str = include_str!("experiments/whole.toml");
 
 #[test]
 fn every_key_of_the_contract_is_read() {
@@ -409,54 +372,7 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
 }
 
 /// An experiment with every key of `[drive]`.
-const DRIVEN: &str = r#"
-schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0, 0, -9.81]
-[drive]
-model = "position_servo"
-estimate = ["gain_nm_per_rad"]
-gain_nm_per_rad = 8.0
-back_emf_nm_s_per_rad = [0.3, 0.4]
-delay_s = 0.02
-speed_limit_rad_s = 2.0
-acceleration_limit_rad_s2 = 50.0
-dead_band_rad = 0.001
-command_offset_rad = 0.01
-integral_nm_per_rad_s = 1.0
-firmware_damping_nm_s_per_rad = 0.1
-torque_limit_nm = 2.5
-rotor_inertia_kg_m2 = 0.01
-coulomb_nm = 0.1
-coulomb_per_load = 0.1
-static_nm = 0.1
-stribeck_velocity_rad_s = 0.05
-viscous_nm_s_per_rad = 0.1
-viscous_asymmetry_nm_s_per_rad = 0.1
-torque_offset_nm = 0.1
-position_offset_rad = 0.1
-mass_scale = 1.1
-lower_stop_rad = -2.0
-upper_stop_rad = 2.0
-position_deviation_rad = 0.005
-piece_s = 2.0
-[drive.floor]
-height_m = -0.1
-stiffness_n_per_m = 2000.0
-friction = 0.3
-x_m = 0.1
-y_m = 0.1
-z_m = 0.1
-[drive.deviations]
-gain_nm_per_rad = 3.0
-[recordings]
-calibration = [{ file = "a.csv", window_s = [0.5, 30.0], gear_ratio = 100.0, counts_per_revolution = 4096.0, rate_hz = 100.0 }]
-validation = [{ file = "b.csv", joined = [{ file = "c.csv", clock_offset_s = 0.1 }] }]
-[diagnosis]
-level = 0.05
-reduction = 0.05
-"#;
+const DRIVEN: &str = include_str!("experiments/driven.toml");
 
 /// Every number of an experiment, replaced by one that no robot has: an error that names it, at the latest where the number is
 /// used, and nothing is allocated for it.

@@ -19,43 +19,20 @@
 //! # Invariants
 //! Memoryless. The term is no load: the rotor sits before the gear.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
-use serde::{Deserialize, Serialize};
+use aurt_traits::{ArmSeries, ArmTerm, Columns};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
-
-/// Inertia of the rotors.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RotorInertia {
-    /// Joints that have the term.
-    #[serde(default, skip_serializing_if = "JointSelection::is_all")]
-    pub joints: JointSelection,
-}
-
-register_model! {
-    slot: ArmTerm,
+joint_term! {
+    /// Inertia of the rotors.
+    RotorInertia,
     name: "rotor_inertia",
+    columns: ["I_a" in "kg m^2"],
+    invariants: [Memoryless],
+    evaluate: |series, joint, own| {
+        own.column_mut(0).copy_from_slice(series.motion.acceleration_rad_s2(joint));
+    },
     summary: "inertia of the motors' rotors",
     equation: "τ_j = I_a,j q̈_j",
     use_when: "geared arms; not for joints whose link takes it up exactly (0 and 1 of common arms)",
     source: "Khalil and Dombre (2002)",
     example: r#"{ model = "rotor_inertia", joints = [2, 3, 4, 5] }"#,
-}
-
-#[typetag::serde(name = "rotor_inertia")]
-impl ArmTerm for RotorInertia {
-    declares_term! { "rotor_inertia", per joint: ["I_a" in "kg m^2"], invariants: [Memoryless] }
-
-    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
-        verdict(self.joints.complaints("rotor_inertia", robot_joints))
-    }
-
-    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
-        let motion = series.motion;
-        self.joints.write_own_rows(motion.joints(), 1, out, |_, joint, own| {
-            own.column_mut(0).copy_from_slice(motion.acceleration_rad_s2(joint));
-        });
-        Ok(())
-    }
 }

@@ -1,37 +1,11 @@
 use std::path::Path;
 
 use aurt_files::output::{write_file, write_folder};
-use rayon::prelude::*;
 
 use super::make::{Case, make_case};
 use super::plan::Plan;
 use super::world::World;
 use aurt_simulation::SimulationError;
-
-/// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
-/// `sealed/case_0001.json` … with the truth; says how many. The same plan and seed give the same bytes, on any number of
-/// threads.
-pub fn conceal(
-    plan: &Plan,
-    seed: u64,
-    cases: impl AsRef<Path>,
-    sealed: impl AsRef<Path>,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<usize, SimulationError> {
-    let (cases, sealed) = (cases.as_ref(), sealed.as_ref());
-    let all = plan.requests(seed)?.len();
-    for folder in [cases, sealed] {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| SimulationError::Io { path: folder.into(), source })?;
-    }
-    (0..all).into_par_iter().try_for_each(|index| {
-        let case = plan.make(World::Clean, seed, index)?;
-        case.write(cases, sealed)?;
-        progress(&case.name);
-        Ok::<(), SimulationError>(())
-    })?;
-    Ok(all)
-}
 
 impl Plan {
     /// One case of a plan in a world of this simulator. The rough world draws lengths, rates and motions of its own; of the

@@ -13,7 +13,6 @@ pub(crate) mod servo;
 mod truth;
 mod world;
 
-pub use conceal::conceal;
 pub(crate) use layout::planned;
 pub use layout::{RecordingSettings, Role};
 pub use make::{Case, make_case};

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    case::{Plan, Truth, conceal},
+    case::{Plan, World},
     commands::{Report, Session},
-    injected::InjectedWorld,
     product::Failure,
+    proof::{self, Ingredients, Place},
 };
-use aurt_simulation::{Random, SimulationError};
+use aurt_simulation::SimulationError;
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
@@ -28,6 +28,9 @@ pub struct Conceal {
     /// Add effects to this experiment's recordings instead of simulating
     #[arg(long, value_name = "EXPERIMENT.toml")]
     into: Option<PathBuf>,
+    /// World to make cases of: clean, rough, mujoco or servo
+    #[arg(long, default_value = "clean", value_parser = world, conflicts_with = "into")]
+    world: World,
     /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
@@ -42,70 +45,66 @@ pub struct Conceal {
     sealed: PathBuf,
 }
 
-/// Reads a plan; what is wrong with it is said of its file.
-pub fn read_plan(path: impl AsRef<Path>) -> Result<Plan, Failure> {
-    let path = path.as_ref();
-    Plan::read(path).map_err(|error| Failure::from(error).in_file(path))
+pub(super) fn world(name: &str) -> Result<World, String> {
+    World::named(name).ok_or_else(|| {
+        let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
+        format!("there is no such world; known are {}", known.join(", "))
+    })
+}
+
+/// Reads a plan, or makes the small one of a world; what is wrong with a plan is said of its file.
+pub(super) fn read_plan(path: Option<&Path>, world: World) -> Result<Plan, Failure> {
+    if let Some(path) = path {
+        return Plan::read(path).map_err(|error| Failure::from(error).in_file(path));
+    }
+    let mut plan = Plan::small();
+    // The unknown effects of the plan are our own simulator's; others have theirs.
+    if let (World::Mujoco | World::Injected | World::Servo, Some(unknown)) =
+        (world, &mut plan.unknown_effects)
+    {
+        unknown.effects.clear();
+    }
+    Ok(plan)
 }
 
 impl Conceal {
     pub fn run(&self, session: &mut Session) -> Result<Report, Failure> {
-        let plan = self.plan.as_ref().map_or_else(|| Ok(Plan::small()), read_plan)?;
-        if let Some(experiment) = &self.into {
-            return self.run_into(experiment, plan, session);
-        }
-        let progress = session.progress(plan.requests(self.seed)?.len());
-        let count = conceal(&plan, self.seed, &self.cases, &self.sealed, &|case| progress.step(case))?;
-        Ok(self.report(count, &[], None))
-    }
-
-    /// Adds effects to an experiment's recordings.
-    fn run_into(&self, path: &Path, mut plan: Plan, session: &mut Session) -> Result<Report, Failure> {
-        // The unknown effects of the small plan are the simulator's.
-        if let (None, Some(unknown)) = (&self.plan, &mut plan.unknown_effects) {
-            unknown.effects.clear();
-        }
-        let injection = InjectedWorld::read(path, &mut session.registry)?;
-        let requests = injection.requests(&plan, self.seed)?;
-        let references = self.references();
-        for folder in [&self.cases, &self.sealed, &references] {
+        let world = if self.into.is_some() { World::Injected } else { self.world };
+        let plan = read_plan(self.plan.as_deref(), world)?;
+        let ingredients = Ingredients { plan, seed: self.seed, into: self.into.iter().cloned().collect() };
+        let beside = self.cases.parent().unwrap_or(Path::new(""));
+        let source = proof::source(world, &ingredients, &Place::new(beside, world), &mut session.registry)?
+            .map_err(|reason| Failure::argument("--world", reason, "make cases of another world"))?;
+        let names = source.references();
+        // The recordings as they are lie beside the folder of the cases.
+        let references = (!names.is_empty()).then(|| beside.join("references"));
+        for folder in [&self.cases, &self.sealed].into_iter().chain(&references) {
             std::fs::create_dir_all(folder).map_err(|source| Failure::write(folder.clone(), source))?;
         }
-        for name in injection.references() {
-            injection.reference(&name)?.write_folder(&references)?;
+        for (name, folder) in names.iter().zip(references.iter().cycle()) {
+            source.reference(name)?.write_folder(folder)?;
         }
-        let progress = session.progress(requests.len());
-        let made: Vec<Result<Truth, SimulationError>> = requests
-            .par_iter()
-            .enumerate()
-            .map(|(index, request)| {
-                let name = Plan::case_name(index);
-                let seed = Random::labelled(self.seed, &format!("injected {index}")).bits();
-                let case = injection.make(request, seed, &name)?;
-                case.write(&self.cases, &self.sealed)?;
-                progress.step(name);
-                Ok(case.truth)
+        let cases = source.planned().len();
+        let progress = session.progress(cases);
+        let made: Vec<Result<(), SimulationError>> = (0..cases)
+            .into_par_iter()
+            .map(|index| {
+                source.write(index, &self.cases, &self.sealed)?;
+                progress.step(Plan::case_name(index));
+                Ok(())
             })
             .collect();
         drop(progress);
-        let mut refused: Vec<String> = injection.missing_nulls(&plan).into_iter().collect();
-        let mut count = 0;
+        let mut refused = source.remarks().to_vec();
         for one in made {
             match one {
-                Ok(_) => count += 1,
-                // These recordings cannot have what was asked for; others of the plan they can.
-                Err(SimulationError::Unreadable { path, reason }) => {
-                    refused.push(format!("{}: {reason}", path.display()));
-                }
-                Err(other) => return Err(other.into()),
+                // This world cannot have what was asked for; others of the plan it can.
+                Err(error @ SimulationError::Unreadable { .. }) => refused.push(error.to_string()),
+                other => other?,
             }
         }
-        Ok(self.report(count, &refused, Some(&references)))
-    }
-
-    /// The folder of the recordings as they are: beside that of the cases.
-    fn references(&self) -> PathBuf {
-        self.cases.parent().unwrap_or(Path::new("")).join("references")
+        let count = cases + source.remarks().len() - refused.len();
+        Ok(self.report(count, &refused, references.as_ref()))
     }
 
     fn report(&self, count: usize, refused: &[String], references: Option<&PathBuf>) -> Report {

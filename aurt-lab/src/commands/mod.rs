@@ -4,6 +4,7 @@
 
 mod conceal;
 mod prove;
+mod record;
 mod score;
 mod setups;
 
@@ -40,6 +41,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Prove(prove::Prove),
+    Record(record::Record),
     Conceal(conceal::Conceal),
     Score(score::Score),
     Setups(setups::Setups),
@@ -144,6 +146,7 @@ fn run(arguments: &Arguments) -> Result<Report, Failure> {
     let mut session = Session { registry, shows_progress };
     match &arguments.command {
         Command::Prove(command) => command.run(&mut session),
+        Command::Record(command) => command.run(),
         Command::Conceal(command) => command.run(&mut session),
         Command::Score(command) => command.run(),
         Command::Setups(command) => command.run(&session),

@@ -7,7 +7,10 @@ use std::{
 
 use crate::{
     case::{Plan, World},
-    commands::{Report, Session, conceal::read_plan},
+    commands::{
+        Report, Session,
+        conceal::{read_plan, world},
+    },
     product::{Failure, OutputFolder, pretty},
     proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
 };
@@ -81,13 +84,6 @@ pub struct Prove {
     proofs: Vec<PathBuf>,
 }
 
-fn world(name: &str) -> Result<World, String> {
-    World::named(name).ok_or_else(|| {
-        let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
-        format!("there is no such world; known are {}", known.join(", "))
-    })
-}
-
 impl Prove {
     pub fn run(&self, session: &mut Session) -> Result<Report, Failure> {
         let Some(out) = &self.out else { return self.learn_from_proofs() };
@@ -153,20 +149,7 @@ impl Prove {
     }
 
     fn plan(&self, world: World) -> Result<Plan, Failure> {
-        Ok(match &self.plan {
-            Some(path) => read_plan(path)?,
-            None if self.small => proof::small(world),
-            None => {
-                let mut plan = Plan::small();
-                // The unknown effects of the plan are our own simulator's; others have theirs.
-                if let (World::Mujoco | World::Injected | World::Servo, Some(unknown)) =
-                    (world, &mut plan.unknown_effects)
-                {
-                    unknown.effects.clear();
-                }
-                plan
-            }
-        })
+        if self.small { Ok(proof::small(world)) } else { read_plan(self.plan.as_deref(), world) }
     }
 
     fn learn_from_proofs(&self) -> Result<Report, Failure> {

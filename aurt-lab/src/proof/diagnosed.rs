@@ -174,8 +174,8 @@ fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<
         // Not the folder that they are in, which an interruption may have removed.
         fs::create_dir(folder).map_err(fail(folder.clone()))?;
     }
-    if let Err(reason) = source.write(index, &cases, &sealed) {
-        return Ok(Err(reason));
+    if let Err(error) = source.write(index, &cases, &sealed) {
+        return Ok(Err(error.to_string()));
     }
     let file = format!("{name}.json");
     let truth = Truth::read(sealed.join(&file))?;

@@ -48,11 +48,10 @@ impl Source for Injected {
         &self.planned
     }
 
-    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
+    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
         let (set, request) = &self.requests[index];
         let seed = Random::labelled(self.seed, &format!("injected {index}")).bits();
-        let make = || self.sets[*set].make(request, seed, &Plan::case_name(index))?.write(cases, sealed);
-        make().map_err(|error| error.to_string())
+        self.sets[*set].make(request, seed, &Plan::case_name(index))?.write(cases, sealed)
     }
 
     fn remarks(&self) -> &[String] {

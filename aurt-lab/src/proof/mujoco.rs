@@ -10,7 +10,8 @@ use super::{
     place::Place,
     source::{Ingredients, Planned, Source},
 };
-use crate::product::Failure;
+use crate::{case::Plan, product::Failure};
+use aurt_simulation::SimulationError;
 
 /// Names the Python interpreter; `python3` without it.
 const PYTHON: &str = "AURT_PYTHON";
@@ -90,7 +91,7 @@ impl Source for Mujoco {
         &self.planned
     }
 
-    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
+    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
         let options: [OsString; 6] = [
             "--index".into(),
             index.to_string().into(),
@@ -99,6 +100,7 @@ impl Source for Mujoco {
             "--sealed".into(),
             sealed.into(),
         ];
-        self.call(&options).map(drop)
+        let refused = |reason| SimulationError::unreadable(Plan::case_name(index), reason);
+        self.call(&options).map(drop).map_err(refused)
     }
 }

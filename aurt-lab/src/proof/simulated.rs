@@ -8,7 +8,7 @@ use crate::{
 };
 
 use super::source::{Ingredients, Planned, Source};
-use aurt_simulation::Random;
+use aurt_simulation::{Random, SimulationError};
 
 #[derive(Debug)]
 pub struct Simulated {
@@ -36,15 +36,14 @@ impl Source for Simulated {
         &self.planned
     }
 
-    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
-        let make = || match self.servos.get(index) {
+    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
+        let case = match self.servos.get(index) {
             Some(request) => {
                 let seed = Random::labelled(self.seed, &format!("servo {index}")).bits();
-                servo::make(&Plan::case_name(index), request, seed)
+                servo::make(&Plan::case_name(index), request, seed)?
             }
-            None => self.plan.make(self.world, self.seed, index),
+            None => self.plan.make(self.world, self.seed, index)?,
         };
-        let write = || make()?.write(cases, sealed);
-        write().map_err(|error| error.to_string())
+        case.write(cases, sealed)
     }
 }

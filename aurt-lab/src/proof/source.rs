@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::case::{Case, CaseRequest, CaseType, Plan, World};
 use aurt_simulation::SimulationError;
@@ -22,7 +22,7 @@ pub trait Source: Sync {
     fn planned(&self) -> &[Planned];
 
     /// Writes the folder of a case into `cases` and its truth into `sealed`; or says why it cannot be made.
-    fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
+    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), SimulationError>;
 
     /// Lines on cases that the plan asks for and the world does not have.
     fn remarks(&self) -> &[String] {

@@ -44,6 +44,32 @@ fn cases_of_an_experiments_own_recordings() {
     assert!(run.status() < 2, "{}", run.stderr());
 }
 
+/// A recording of a servo arm has the columns of its case, and the same seed gives the same.
+#[test]
+fn a_concealed_servo_arm_records_one_more_motion() {
+    let folder = Folder::new();
+    folder.write("plan.toml", "[nulls]\ncount = 1\n");
+    let conceal = "conceal --world servo --plan plan.toml --seed 5 --cases cases --sealed sealed";
+    lab(&folder, conceal.split(' ')).succeeded();
+    let header = folder.read("cases/case_0001/recording_1.csv").lines().next().unwrap().to_owned();
+    let joints = header.matches("command_").count();
+    let row = |k: u32| format!("{},{}\n", 0.1 * f64::from(k), vec!["0.1"; joints].join(","));
+    let names: Vec<String> = (0..joints).map(|j| format!("q_{j}")).collect();
+    folder
+        .write("motion.csv", &format!("time,{}\n{}", names.join(","), (0..=20).map(row).collect::<String>()));
+    let record = |truth: &str| {
+        let line = format!("record --truth {truth} --motion motion.csv --seed 3 --out added.csv");
+        lab(&folder, line.split(' '))
+    };
+    record("sealed/case_0001.json").succeeded();
+    let added = folder.read("added.csv");
+    assert!(added.starts_with(&header) && added.lines().count() > 90, "{added}");
+    record("sealed/case_0001.json").succeeded();
+    assert_eq!(folder.read("added.csv"), added);
+    folder.edit("sealed/case_0001.json", |text| text.replace("\"servo\"", "\"clean\""));
+    record("sealed/case_0001.json").refused(&["case_0001.json", "world `clean`"]);
+}
+
 #[test]
 fn absurd_plans_are_refused_with_the_place() {
     let folder = Folder::new();
@@ -67,7 +93,7 @@ fn absurd_plans_are_refused_with_the_place() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["prove", "conceal", "score", "setups"] {
+    for command in ["prove", "conceal", "record", "score", "setups"] {
         let own = lab(&folder, [command, "--help"]).succeeded().stdout();
         assert!(own.contains("Example:\n  aurt-lab "), "{own}");
     }

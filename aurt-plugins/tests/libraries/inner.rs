@@ -10,20 +10,7 @@ use serde_json::json;
 
 use crate::built;
 
-const EXPERIMENT: &str = r#"
-schema = 1
-robot = { mdh = "mdh.csv", gravity_m_s2 = [0.0, -9.81, 0.0] }
-plugins.libraries = ["LIBRARY"]
-recordings.calibration = "a.csv"
-[[arm_terms]]
-model = "joint_friction"
-joints = [1]
-coulomb = { model = "absent" }
-viscous = { model = "eyring", transition_velocity_rad_s = 0.5 }
-[[arm_terms]]
-model = "joint_friction"
-hysteresis = { model = "stop", distance_rad = 0.02 }
-"#;
+const EXPERIMENT: &str = include_str!("inner.toml");
 
 fn parse(folder: &std::path::Path, text: &str, registry: &mut Registry) -> Result<Experiment, String> {
     fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0.4,0\n").unwrap();

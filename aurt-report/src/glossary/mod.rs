@@ -6,6 +6,8 @@ use std::sync::LazyLock;
 pub struct Term {
     /// What to ask for, snake_case.
     pub name: &'static str,
+    /// Keys of files that are explained under it.
+    pub keys: Vec<&'static str>,
     pub title: &'static str,
     /// What it means, when to heed it, what to do.
     pub text: String,
@@ -15,8 +17,10 @@ static TERMS: LazyLock<Vec<Term>> = LazyLock::new(|| {
     let sections = include_str!("terms.md").split("\n## ").skip(1);
     let terms = sections.filter_map(|section| {
         let (heading, text) = section.split_once('\n')?;
-        let (name, title) = heading.split_once(": ")?;
-        Some(Term { name, title, text: text.trim().replace('\n', " ") })
+        let (names, title) = heading.split_once(": ")?;
+        let mut keys: Vec<&str> = names.split(", ").collect();
+        let name = keys.remove(0);
+        Some(Term { name, keys, title, text: text.trim().replace('\n', " ") })
     });
     terms.collect()
 });
@@ -25,39 +29,9 @@ pub fn terms() -> &'static [Term] {
     &TERMS
 }
 
-/// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 26] = [
-    ("block_s", "sweep"),
-    ("coulomb", "joint_dynamics"),
-    ("delay_s", "instrument"),
-    ("f_dyn_hz", "f_dyn"),
-    ("gains", "instrument"),
-    ("gravity_m_s2", "gravity"),
-    ("grid", "sweep"),
-    ("hysteresis", "joint_dynamics"),
-    ("level", "diagnosis"),
-    ("libraries", "plugins"),
-    ("mdh_rows", "mdh"),
-    ("measurement", "columns"),
-    ("not_physical", "unphysical"),
-    ("nrmse", "nrms"),
-    ("offsets", "instrument"),
-    ("position", "columns"),
-    ("prior_weight", "prior"),
-    ("reduction", "diagnosis"),
-    ("rest_velocity_rad_s", "rest"),
-    ("tips", "tip"),
-    ("torque_constants_nm_per_a", "torque_constants"),
-    ("validate", "sweep"),
-    ("variant", "sweep"),
-    ("velocity", "columns"),
-    ("viscous", "joint_dynamics"),
-    ("zip", "sweep"),
-];
-
+/// The term of a name, or of a key of files that is explained under it.
 pub fn term(name: &str) -> Option<&'static Term> {
-    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, of)| of);
-    terms().iter().find(|t| t.name == name)
+    terms().iter().find(|t| t.name == name || t.keys.contains(&name))
 }
 
 #[cfg(test)]
@@ -69,7 +43,8 @@ mod tests {
         assert_eq!(terms().len(), include_str!("terms.md").matches("\n## ").count());
         assert!(terms().windows(2).all(|w| w[0].name < w[1].name));
         assert_eq!(term("nrmse").unwrap().name, "nrms");
-        assert!(ALIASES.iter().all(|(alias, of)| term(alias).is_some_and(|t| t.name == *of)));
+        let keys = || terms().iter().flat_map(|t| t.keys.iter().map(move |key| (key, t.name)));
+        assert!(keys().all(|(key, of)| term(key).is_some_and(|t| t.name == of)) && keys().count() > 20);
         assert_eq!(term("absent"), None);
     }
 }

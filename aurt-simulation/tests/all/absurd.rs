@@ -4,41 +4,7 @@ use aurt_simulation::effects::{Draw, Shapes, catalogue};
 use aurt_simulation::{Random, Robot, ScenarioFile, simulate};
 use toml::Value;
 
-const SCENARIO: &str = r#"
-robot = "two_link"
-seed = 7
-[motion]
-kind = "multi_sine"
-duration_s = 3.0
-harmonics = 2
-top_hz = 0.8
-share = 0.5
-[controller]
-bandwidth_hz = 25.0
-damping_ratio = 0.9
-feed_forward = 1.0
-friction_feed_forward = 1.0
-friction_width_rad_s = 5e-4
-[logger]
-rate_hz = 100.0
-clock_jitter_s = 1e-4
-[[link]]
-index = 1
-mass_kg = 2.0
-com_m = [0.2, 0.0, 0.1]
-inertia_at_com_kg_m2 = [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]
-[[drive]]
-joint = 1
-rotor_inertia_kg_m2 = 0.1
-torque_constant_nm_per_a = 10.0
-coulomb_nm = 2.0
-viscous_nm_s = 3.0
-load_coefficient = 0.05
-home_rad = 0.1
-encoder_resolution_rad = 1e-5
-encoder_noise_rad = 1e-5
-torque_noise_nm = 0.1
-"#;
+const SCENARIO: &str = include_str!("absurd.toml");
 
 /// Beyond what products, squares and quotients of numbers can be.
 const ABSURD: [f64; 5] = [1e308, -1e308, 1e160, 1e-308, 5e-324];

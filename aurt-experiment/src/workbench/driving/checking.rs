@@ -26,8 +26,7 @@ use crate::workbench::failure::Failure;
 /// that hold and with commands on the line between two, both with a delay, and the positions of all recordings decide: both have
 /// the same numbers to fit.
 pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let mut setting = Setting::of(experiment)?;
-    setting.read(progress)?;
+    let setting = Setting::read(experiment, progress)?;
     let (all, [fitted, _]) = (setting.all(), setting.parts());
     let (options, recordings, notes) = (&setting.options, &setting.recordings, &setting.notes);
     let selection = with_delay(setting.selection);

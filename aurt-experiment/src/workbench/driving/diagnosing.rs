@@ -13,6 +13,7 @@ use aurt_diagnosis::drives::{
 };
 use aurt_diagnosis::{Remainder, Rest, SelectionOptions};
 use aurt_files::output::pretty;
+use aurt_rbd::SerialChain;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
@@ -31,28 +32,61 @@ const EXPECTED: f64 = 2.0;
 /// Less than this share of what the model is expected to miss is of the simulation's steps, not of the robot.
 const NUMERICAL: f64 = 0.01;
 
+/// An experiment whose drives were diagnosed.
+pub(in crate::workbench) struct DiagnosedSetting<'e> {
+    setting: Setting<'e>,
+    demands: Demands,
+    pub(in crate::workbench) found: Diagnosis,
+    /// The fitted recordings, and the held-out ones.
+    pub(in crate::workbench) parts: [Vec<DriveRecording>; 2],
+}
+
+impl<'e> DiagnosedSetting<'e> {
+    pub(in crate::workbench) fn of(
+        experiment: &'e Experiment,
+        without: &[String],
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        Setting::of(experiment)?;
+        if let Some(target) = experiment.recordings.target.first() {
+            let reason = format!(
+                "{} is a target; positions of servo arms are not compared between recordings",
+                target.label
+            );
+            let remedy = "list it under `calibration` in an experiment of its own, and compare what its drives and joints need";
+            return Err(Failure::unfit(&experiment.path, reason, remedy));
+        }
+        let SelectionOptions { level, reduction, .. } = selection(experiment)?;
+        let setting = Setting::read(experiment, progress)?;
+        let parts = setting.parts();
+        let [fitted, held_out] = &parts;
+        let demands = Demands { level, reduction, without: without.to_vec() };
+        let step = |what: &str| progress.step(what.to_owned());
+        let (options, selection) = (&setting.options, setting.selection);
+        let found = diagnose(&setting.arm, selection, [fitted, held_out], options, &demands, step)
+            .map_err(|error| setting.failed(&error))?;
+        Ok(Self { setting, demands, found, parts })
+    }
+
+    pub(in crate::workbench) fn chain(&self) -> &SerialChain {
+        &self.setting.arm.chain
+    }
+
+    /// What is doubtful about the recordings.
+    pub(in crate::workbench) fn doubts(&self) -> Vec<String> {
+        self.setting.doubts()
+    }
+}
+
 /// Says which structures the held-out recordings need, which the experiment's model lacks, and whether more is missing.
 pub fn diagnose_drives(
     experiment: &Experiment,
     without: &[String],
     progress: &Progress,
 ) -> Result<DriveOutcome, Failure> {
-    let mut setting = Setting::of(experiment)?;
-    if let Some(target) = experiment.recordings.target.first() {
-        let reason = format!(
-            "{} is a target; positions of servo arms are not compared between recordings",
-            target.label
-        );
-        let remedy = "list it under `calibration` in an experiment of its own, and compare what its drives and joints need";
-        return Err(Failure::unfit(&experiment.path, reason, remedy));
-    }
-    let SelectionOptions { level, reduction, .. } = selection(experiment)?;
-    setting.read(progress)?;
-    let (options, [fitted, held_out]) = (&setting.options, setting.parts());
-    let demands = Demands { level, reduction, without: without.to_vec() };
-    let step = |what: &str| progress.step(what.to_owned());
-    let found = diagnose(&setting.arm, setting.selection, [&fitted, &held_out], options, &demands, step)
-        .map_err(|error| setting.failed(&error))?;
+    let DiagnosedSetting { setting, demands, found, parts: [fitted, held_out] } =
+        DiagnosedSetting::of(experiment, without, progress)?;
+    let options = &setting.options;
     let rolled = |recordings: &'_ [DriveRecording]| -> Result<Vec<Vec<Vec<f64>>>, Failure> {
         let one = |r: &DriveRecording| rollout(&found, r, options);
         recordings

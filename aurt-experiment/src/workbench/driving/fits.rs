@@ -145,26 +145,8 @@ const SERVOS: [(&str, f64, f64); 5] = [
     ("sts321512v", 0.166, 0.97),
 ];
 
-const BAM_NUMBERS: [&str; 18] = [
-    "kt",
-    "R",
-    "vin",
-    "kp",
-    "error_gain",
-    "error_gain_ratio",
-    "command_delay",
-    "max_velocity",
-    "max_pwm",
-    "friction_base",
-    "friction_stribeck",
-    "friction_viscous",
-    "dtheta_stribeck",
-    "load_friction_base",
-    "load_friction_motor",
-    "load_friction_external",
-    "armature",
-    "alpha",
-];
+const BAM_NUMBERS: &str = "kt R vin kp error_gain error_gain_ratio command_delay max_velocity max_pwm \
+    friction_base friction_stribeck friction_viscous dtheta_stribeck load_friction_base load_friction_motor load_friction_external armature alpha";
 const BAM_UNUSED: [&str; 7] = [
     "load_friction_stribeck",
     "load_friction_motor_stribeck",
@@ -178,9 +160,9 @@ const BAM_UNUSED: [&str; 7] = [
 /// u = vin · clip(kp · error_gain · e), τ = (kt/R) u − (kt²/R) q̇; friction at most base + viscous |q̇| + e^(−|q̇/v|^α) stribeck, and
 /// shares of the gearbox' torque |k_e τ_ext − k_m τ_motor|.
 fn bam(path: &Path, table: &Map<String, Value>, joints: usize) -> Result<Fit, Failure> {
-    for key in BAM_NUMBERS.iter().chain(&BAM_UNUSED) {
+    for key in BAM_NUMBERS.split(' ').chain(BAM_UNUSED) {
         // What is no number would count as absent.
-        if let Some(value) = table.get(*key).filter(|value| !value.is_number() && !value.is_null()) {
+        if let Some(value) = table.get(key).filter(|value| !value.is_number() && !value.is_null()) {
             let reason =
                 format!("`{key}` is {}, which is no number", aurt_files::clipped(&value.to_string()));
             return Err(Failure::unfit(path, reason, "write the number, without quotes"));
@@ -280,19 +262,9 @@ fn pace(path: &Path, table: &Map<String, Value>) -> Result<Map<String, Value>, F
 
 /// τ = clip(stiffness (q*(t − delay) − q) − damping q̇); friction in Nm, dynamic while the joint moves (Isaac Sim 5 and later).
 fn isaac(path: &Path, table: &Map<String, Value>, joints: &RobotJoints) -> Result<Fit, Failure> {
-    let keys = [
-        "stiffness",
-        "damping",
-        "armature",
-        "friction",
-        "static_friction",
-        "dynamic_friction",
-        "encoder_bias",
-        "viscous_friction",
-        "min_delay",
-        "max_delay",
-        "physics_dt_s",
-    ];
+    let keys = "stiffness damping armature friction static_friction dynamic_friction encoder_bias viscous_friction \
+                min_delay max_delay physics_dt_s";
+    let keys: Vec<&str> = keys.split(' ').collect();
     if let Some(key) = table.keys().find(|k| ![&keys[..], &UNUSED, &EFFORTS].concat().contains(&k.as_str())) {
         let remedy = format!("known: {}", [&keys[..], &EFFORTS, &UNUSED].concat().join(", "));
         return Err(Failure::unfit(path, format!("`{key}` is not known"), remedy));

@@ -30,6 +30,7 @@ mod second_opinion;
 mod setting;
 
 pub use checking::check_drives;
+pub(in crate::workbench) use diagnosing::DiagnosedSetting;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
 
@@ -120,8 +121,7 @@ const REMEDY: &str = "look at the recording's command and position, and at [driv
 
 /// Estimates the drives of an experiment, and rolls out all its recordings.
 pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
-    let mut setting = Setting::of(experiment)?;
-    setting.read(progress)?;
+    let setting = Setting::read(experiment, progress)?;
     progress.step("simulating the closed loop");
     let [fitted, _] = setting.parts();
     let (options, recordings, mut notes) = (&setting.options, &setting.recordings, setting.notes.clone());

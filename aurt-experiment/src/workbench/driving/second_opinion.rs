@@ -75,8 +75,7 @@ pub fn second_opinion(
     parameters: Option<&Path>,
     progress: &Progress,
 ) -> Result<DriveOutcome, Failure> {
-    let mut setting = Setting::of(experiment)?;
-    if !follows_positions(&setting.arm) {
+    if !follows_positions(&Setting::of(experiment)?.arm) {
         let remedy = "use a [drive] that follows positions, and recordings of them";
         return Err(Failure::unfit(
             &experiment.path,
@@ -87,7 +86,7 @@ pub fn second_opinion(
     let robot_joints = experiment.robot.robot_joints();
     let names = RobotNames::of_joints(&robot_joints.names);
     let fit = fits::read(file, parameters, &robot_joints)?;
-    setting.read(progress)?;
+    let setting = Setting::read(experiment, progress)?;
     let Setting { arm, selection: estimated, options, .. } = &setting;
     let [fitted, held_out] = setting.parts();
     if held_out.is_empty() {

@@ -65,9 +65,11 @@ impl<'e> Setting<'e> {
         })
     }
 
-    pub(super) fn read(&mut self, progress: &Progress) -> Result<(), Failure> {
-        self.recordings = read_all(self.experiment, &self.arm, &mut self.notes, progress)?;
-        Ok(())
+    /// The same with its recordings.
+    pub(super) fn read(experiment: &'e Experiment, progress: &Progress) -> Result<Self, Failure> {
+        let mut setting = Self::of(experiment)?;
+        setting.recordings = read_all(experiment, &setting.arm, &mut setting.notes, progress)?;
+        Ok(setting)
     }
 
     pub(super) fn all(&self) -> Vec<DriveRecording> {

@@ -1,24 +1,24 @@
-use aurt_diagnosis::discrimination::{Doubt, MotionMoments, Outlook};
+use aurt_diagnosis::discrimination::{Discriminator, Doubt, Outlook};
 use aurt_simulation::{Robot, Trajectory};
 use rayon::prelude::*;
 
-use super::{FULL_PIECES, GENERIC, NO_DOUBT, PIECES, Piece, Planner, SHARE, together};
+use super::{FULL_PIECES, GENERIC, NO_DOUBT, PIECES, Piece, Planner, SHARE};
 use crate::workbench::failure::Failure;
 
 /// Fedorov's exchange of pieces.
-pub(super) struct Exchange<'e> {
-    pub(super) planner: &'e Planner<'e>,
-    pub(super) pieces: &'e [Piece],
+pub(super) struct Exchange<'e, D: Discriminator> {
+    pub(super) planner: &'e Planner<'e, D>,
+    pub(super) pieces: &'e [Piece<D::Planned>],
     pub(super) open: &'e [usize],
     pub(super) robot: Robot,
 }
 
-impl Exchange<'_> {
+impl<D: Discriminator> Exchange<'_, D> {
     /// The expected number of settled doubts, and the evidence where all are as good as settled. Nobody knows whether any of the
     /// absorbed effects is there: together they count as one doubt.
-    fn value(&self, motion: &MotionMoments) -> f64 {
+    fn value(&self, motion: &D::Planned) -> f64 {
         let Planner { discrimination, .. } = self.planner;
-        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed { .. });
+        let is_absorbed = |k: &usize| matches!(discrimination.doubts()[*k], Doubt::Absorbed(_));
         let absorbed = self.open.iter().filter(|k| is_absorbed(k)).count().max(1) as f64;
         let outlook = discrimination.outlook_of(self.open, motion);
         let worth = |(k, o): (&usize, &Outlook)| {
@@ -32,11 +32,13 @@ impl Exchange<'_> {
     /// settles more, the ways between the pieces counted.
     pub(super) fn motion(
         &self,
-        generic: &MotionMoments,
-    ) -> Result<(Vec<usize>, Trajectory, MotionMoments), Failure> {
+        generic: &D::Planned,
+    ) -> Result<(Vec<usize>, Trajectory, D::Planned), Failure> {
         let chosen = self.exchanged();
         let trajectory = self.sequence(&chosen);
-        trajectory.check(&self.robot)?;
+        if !self.planner.arm.is_of_drives {
+            trajectory.check(&self.robot)?;
+        }
         let planned = self.planner.moments(&trajectory)?;
         match self.pieces.iter().position(|piece| piece.words == GENERIC) {
             Some(k) if self.value(generic) > self.value(&planned) => {
@@ -73,7 +75,7 @@ impl Exchange<'_> {
             let mut with = chosen.to_vec();
             with[place] = k;
             let is_short = self.pieces[k].trajectory.duration_s() <= longest_s;
-            let sum = || together(with.iter().map(|k| &self.pieces[*k]));
+            let sum = || self.planner.together(with.iter().map(|k| &self.pieces[*k]));
             let sum = (is_short && self.fits(&with)).then(sum).flatten()?;
             Some((self.value(&sum), with))
         });

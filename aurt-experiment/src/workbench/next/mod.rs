@@ -4,23 +4,26 @@
 //! Second moments add, so that a piece is evaluated once. V. V. Fedorov's exchange (*Theory of Optimal Experiments*, 1972)
 //! finds those that together settle most: that maximise the expected number of settled doubts.
 
+mod drives;
 mod exchange;
 mod keep_out;
 mod limits;
 mod text;
+mod torques;
 
 pub use keep_out::KeepOut;
 
 use aurt::Progress;
+use aurt_diagnosis::DiagnosisError;
 use aurt_diagnosis::discrimination::{
-    DeviationGoal, Discrimination, Doubt, Interval, MotionMoments, Outlook, Subject,
+    DeviationGoal, Discrimination, Discriminator, Doubt, Interval, Outlook, Subject,
 };
-use aurt_diagnosis::{DiagnosisError, Question};
 use aurt_plugins::Registry;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite};
 use aurt_simulation::{Motion, MotionLimits, Random, Robot, Trajectory};
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
 use rayon::prelude::*;
 
 use crate::Experiment;
@@ -28,7 +31,6 @@ use crate::workbench::diagnosing::{DiagnosisOptions, diagnoser};
 use crate::workbench::failure::Failure;
 use exchange::Exchange;
 use keep_out::KeepOutCheck;
-use limits::limits_of;
 
 /// How the next motion is planned.
 #[derive(Debug, Clone)]
@@ -64,6 +66,8 @@ pub struct Next {
     sure_nats: f64,
     /// Rows per second of the recordings.
     pub rate_hz: f64,
+    /// True of a motion of commands that drives follow.
+    pub is_of_drives: bool,
     pub notes: Vec<String>,
 }
 
@@ -72,8 +76,9 @@ pub struct Next {
 pub struct Plan {
     pub trajectory: Trajectory,
     pub pieces: Vec<String>,
-    /// The largest torque of each joint that the model predicts, and the largest that was recorded.
-    pub torque: Vec<[f64; 2]>,
+    /// The largest torque of each joint that the model predicts, and the largest that was recorded; of drives the distances of
+    /// position and command, rad.
+    pub largest: Vec<[f64; 2]>,
 }
 
 /// A doubt, and what recordings would do about it.
@@ -92,7 +97,7 @@ const PIECES: usize = 8;
 /// Pieces are drawn as long as for a motion of one piece, of two, … and of so many.
 const FULL_PIECES: usize = 4;
 /// The most that a way between two pieces is expected to take, over the time of a piece and its way.
-const WAY: f64 = 0.25;
+const WAY_PART: f64 = 0.25;
 /// The weight of the logarithm of evidence beside a probability: it decides where probabilities are 1 to six digits.
 const NO_DOUBT: f64 = 1e-6;
 /// Shortest time of a piece, s: a stroke or two, of which the ends are at rest.
@@ -105,6 +110,11 @@ const GENERIC: &str = "a multi-sine as of `aurt excite`";
 const SURE: f64 = 0.9;
 /// Share of the limits that is used at most: tracking overshoots.
 const SHARE: f64 = 0.8;
+/// The greatest speed and acceleration of a way between two pieces of commands, rad/s and rad/s²: servos follow it.
+const WAY_LIMITS: [f64; 2] = [1.0, 10.0];
+/// The share of the largest recorded distance of position and command that a step of the command has at most: an arm hangs
+/// below its command before it.
+const STEP: f64 = 0.9;
 /// A doubt that all pieces together do not settle with the first probability is beyond motions like these; with the second where
 /// no doubt reaches the first, since a motion that helps is better than none.
 const EVER: [f64; 2] = [0.5, 0.05];
@@ -116,11 +126,15 @@ pub fn plan_next(
     progress: &Progress,
 ) -> Result<Next, Failure> {
     let check = keep_out_check(experiment, &options.keep_out)?;
+    if experiment.drive.is_some() {
+        return drives::plan(experiment, options, check.as_ref(), progress);
+    }
     diagnoser(experiment, registry, &options.diagnosis, progress)?.ask(
         progress,
         |question, investigation, registry| {
             let doubts = Discrimination::new(question, investigation, registry, &options.wanted);
-            Planner::new(question, &doubts, options, check.as_ref())?.plan(progress)
+            let arm = torques::planned_arm(question, options)?;
+            Planner { discrimination: &doubts, options, check: check.as_ref(), arm }.plan(progress)
         },
     )
 }
@@ -146,89 +160,95 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
     Ok(Some(check))
 }
 
-struct Planner<'a> {
-    question: &'a Question<'a>,
-    discrimination: &'a Discrimination<'a>,
+/// What is known of an arm and its recordings.
+struct PlannedArm<'a> {
+    joint_names: Vec<String>,
+    limits: Vec<MotionLimits>,
+    /// Rows per second of the recordings.
+    rate_hz: f64,
+    /// The largest torque of each joint that was recorded; of drives the largest distance of position and command, rad.
+    recorded: Vec<f64>,
+    bodies: &'a dyn RigidBodyRegressor,
+    unit: MeasurementUnit,
+    is_of_drives: bool,
+    notes: Vec<String>,
+}
+
+/// Rows per second of stamps.
+fn rate_hz(time_s: &[f64]) -> f64 {
+    let span_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
+    if span_s > 0.0 { (time_s.len() - 1) as f64 / span_s } else { 1.0 }
+}
+
+struct Planner<'a, D: Discriminator> {
+    discrimination: &'a D,
     options: &'a NextOptions,
     check: Option<&'a KeepOutCheck>,
-    limits: Vec<MotionLimits>,
-    notes: Vec<String>,
-    rate_hz: f64,
-    encoders: Vec<[f64; 2]>,
-    recorded: Vec<f64>,
+    arm: PlannedArm<'a>,
 }
 
-struct Piece {
+struct Piece<M> {
     trajectory: Trajectory,
     words: String,
-    planned: MotionMoments,
+    planned: M,
 }
 
-impl<'a> Planner<'a> {
-    fn new(
-        question: &'a Question<'a>,
-        discrimination: &'a Discrimination<'a>,
-        options: &'a NextOptions,
-        check: Option<&'a KeepOutCheck>,
-    ) -> Result<Self, Failure> {
-        let joints = question.model.joints();
-        let (limits, mut notes) = match &options.limits {
-            Some(limits) if limits.len() == joints => (limits.clone(), Vec::new()),
-            Some(limits) => {
-                return Err(Failure::argument(
-                    "--limits",
-                    format!("has limits of {} joints, the robot has {joints}", limits.len()),
-                    "write a row for each joint",
-                ));
-            }
-            None => limits_of(question.recordings, question.model.names()),
-        };
-        for recording in question.recordings {
-            let of_file = recording.raw.report.warnings();
-            notes.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
+/// Limits of steps of a command, about the middle of others: within a row and a half it has moved by a width.
+fn step_limits(limits: &MotionLimits, most_rad: f64, rate_hz: f64) -> MotionLimits {
+    let [low, high] = limits.position_rad;
+    let (middle, width, step_s) = (0.5 * (low + high), most_rad.min(high - low), 1.5 / rate_hz);
+    MotionLimits {
+        position_rad: [middle - 0.5 * width, middle + 0.5 * width],
+        // The smooth step of a motion is at most 2.19 and 7.52 times as fast as its mean.
+        velocity_rad_s: 2.2 * width / step_s,
+        acceleration_rad_s2: 7.6 * width / (step_s * step_s),
+    }
+}
+
+impl<D: Discriminator> Planner<'_, D> {
+    /// The arm with the limits of ways between pieces.
+    fn on_ways(&self) -> Robot {
+        let mut limits = self.arm.limits.clone();
+        for own in limits.iter_mut().filter(|_| self.arm.is_of_drives) {
+            own.velocity_rad_s = own.velocity_rad_s.min(WAY_LIMITS[0]);
+            own.acceleration_rad_s2 = own.acceleration_rad_s2.min(WAY_LIMITS[1]);
         }
-        let last = question.recordings.last().map_or(&[][..], |r| &r.raw.time_s);
-        let span_s = last.last().unwrap_or(&0.0) - last.first().unwrap_or(&0.0);
-        let rate_hz = if span_s > 0.0 { (last.len() - 1) as f64 / span_s } else { 1.0 };
-        let largest = |j: usize| {
-            let segments = question.recordings.iter().flat_map(|r| &r.data.data.segments);
-            let measured = segments.filter_map(|s| s.measurement.as_ref()?.get(j));
-            measured.flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
-        };
-        Ok(Self {
-            question,
-            discrimination,
-            options,
-            check,
-            limits,
-            notes,
-            rate_hz,
-            encoders: discrimination.encoders(),
-            recorded: (0..joints).map(largest).collect(),
-        })
+        Robot::of_limits("arm", &limits)
     }
 
     fn plan(self, progress: &Progress) -> Result<Next, Failure> {
         let doubts = self.discrimination.doubts();
-        let joint_names = self.question.model.names().joints.to_vec();
+        let PlannedArm { joint_names, rate_hz, is_of_drives, notes, .. } = &self.arm;
         let mut next = Next {
             motion: None,
             open: Vec::new(),
             never: Vec::new(),
             intervals: Vec::new(),
-            joint_names,
+            joint_names: joint_names.clone(),
             sure_nats: self.discrimination.nats_to_decide(SURE),
-            rate_hz: self.rate_hz,
-            notes: self.notes.clone(),
+            rate_hz: *rate_hz,
+            is_of_drives: *is_of_drives,
+            notes: notes.clone(),
         };
         if doubts.is_empty() {
             return Ok(next);
         }
         let generic = self.generic()?;
         let pieces = self.pieces(&generic, progress)?;
-        let all =
-            together(pieces.iter()).ok_or(DiagnosisError::NothingToDiagnose).map_err(aurt::Error::from)?;
-        let ever = self.discrimination.outlook(&all);
+        let all = self
+            .together(pieces.iter())
+            .ok_or(DiagnosisError::NothingToDiagnose)
+            .map_err(aurt::Error::from)?;
+        let mut ever = self.discrimination.outlook(&all);
+        if *is_of_drives {
+            // A test of blocks loses by blocks that say nothing: a piece may decide what all together do not.
+            let again = self.discrimination.recorded_again(&pieces[0].planned).map_err(aurt::Error::from)?;
+            for motion in pieces.iter().map(|piece| &piece.planned).chain([&again]) {
+                let own = self.discrimination.outlook(motion);
+                let better = ever.iter_mut().zip(own).filter(|(ever, own)| own.settled > ever.settled);
+                better.for_each(|(ever, own)| *ever = own);
+            }
+        }
         let least = EVER[usize::from(ever.iter().all(|outlook| outlook.settled < EVER[0]))];
         let open: Vec<usize> = (0..doubts.len()).filter(|k| ever[*k].settled >= least).collect();
         let hopeless = (0..doubts.len()).filter(|k| !open.contains(k));
@@ -237,11 +257,11 @@ impl<'a> Planner<'a> {
             return Ok(next);
         }
         progress.step("exchanging pieces");
-        let robot = Robot::of_limits("arm", &self.limits);
+        let robot = self.on_ways();
         let exchange = Exchange { planner: &self, pieces: &pieces, open: &open, robot };
         let generic = self.moments(&generic)?;
         let (chosen, trajectory, planned) = exchange.motion(&generic)?;
-        let again = self.discrimination.recorded_again(&planned);
+        let again = self.discrimination.recorded_again(&planned).map_err(aurt::Error::from)?;
         let [planned_outlook, generic, again] =
             [&planned, &generic, &again].map(|motion| self.discrimination.outlook(motion));
         next.open = open
@@ -254,22 +274,22 @@ impl<'a> Planner<'a> {
             })
             .collect();
         next.intervals = self.discrimination.intervals(&planned);
-        let torque =
-            planned.largest.iter().zip(&self.recorded).map(|(planned, recorded)| [*planned, *recorded]);
+        let largest = self.discrimination.largest(&planned).iter().zip(&self.arm.recorded);
+        let largest = largest.map(|(planned, recorded)| [*planned, *recorded]).collect();
         let words = chosen.iter().map(|k| pieces[*k].words.clone()).collect();
-        next.motion = Some(Plan { trajectory, pieces: words, torque: torque.collect() });
+        next.motion = Some(Plan { trajectory, pieces: words, largest });
         Ok(next)
     }
 
     /// Draws pieces whose torques were seen before; a multi-sine made without knowing what is open is the first of them.
-    fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece>, Failure> {
-        let robot = Robot::of_limits("arm", &self.limits);
-        let ends = |k: usize| self.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
+    fn pieces(&self, generic: &Trajectory, progress: &Progress) -> Result<Vec<Piece<D::Planned>>, Failure> {
+        let robot = self.on_ways();
+        let ends = |k: usize| self.arm.limits.iter().map(|l| l.position_rad[k]).collect::<Vec<f64>>();
         let way_s = robot.travel_s(SHARE, &ends(0), &ends(1), 0.0);
         // So long that a number of them and the ways between them fill the motion.
         let piece_s = |count: usize| {
             let share_s = self.options.duration_s / count as f64;
-            (share_s - if count > 1 { way_s.min(WAY * share_s) } else { 0.0 }).max(SHORTEST_S)
+            (share_s - if count > 1 { way_s.min(WAY_PART * share_s) } else { 0.0 }).max(SHORTEST_S)
         };
         let mut random = Random::labelled(self.options.seed, "next");
         let mut drawn = vec![(generic.clone(), GENERIC.to_owned())];
@@ -307,15 +327,19 @@ impl<'a> Planner<'a> {
             Ok(planned.ok().map(|planned| Piece { trajectory, words, planned }))
         });
         let pieces = evaluated.collect::<Result<Vec<_>, Failure>>()?.into_iter().flatten();
-        let is_safe = |piece: &Piece| {
-            self.options.limits.is_some()
-                || piece.planned.largest.iter().zip(&self.recorded).all(|(planned, most)| planned <= most)
+        let is_safe = |piece: &Piece<D::Planned>| {
+            let mut largest = self.discrimination.largest(&piece.planned).iter().zip(&self.arm.recorded);
+            self.options.limits.is_some() || largest.all(|(planned, most)| planned <= most)
         };
-        let safe: Vec<Piece> = pieces.filter(is_safe).collect();
+        let safe: Vec<Piece<D::Planned>> = pieces.filter(is_safe).collect();
         if safe.is_empty() {
             return Err(Failure::argument(
                 "--limits",
-                "no motion that was tried needs torques as small as the recorded ones",
+                if self.arm.is_of_drives {
+                    "in no motion that was tried the joints are as near to their commands as in the recordings"
+                } else {
+                    "no motion that was tried needs torques as small as the recorded ones"
+                },
                 "state the limits of the arm in a table, or try more with --tries",
             ));
         }
@@ -336,11 +360,21 @@ impl<'a> Planner<'a> {
             let from = random.between(low, high - width);
             MotionLimits { position_rad: [from, from + width], ..*limits }
         };
-        let limits: Vec<MotionLimits> = self.limits.iter().map(|limits| within(limits, random)).collect();
-        let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(f64::INFINITY, f64::min);
+        let mut limits: Vec<MotionLimits> = self.arm.limits.iter().map(|l| within(l, random)).collect();
+        let PlannedArm { is_of_drives, recorded, rate_hz, .. } = &self.arm;
+        let most = if *is_of_drives { 2.0 * WAY_LIMITS[0] } else { f64::INFINITY };
+        let slowest = limits.iter().map(|l| l.velocity_rad_s).fold(most, f64::min);
         let widest = limits.iter().map(|l| l.position_rad[1] - l.position_rad[0]).fold(0.0, f64::max);
-        let share = random.between(0.3, SHARE);
-        let motion = match attempt % 4 {
+        // Commands jump as their rows do, and what drives can follow is far slower.
+        let mut share =
+            if *is_of_drives { random.between_logs(0.02, 1.0) } else { random.between(0.3, SHARE) };
+        let kinds = if *is_of_drives && self.options.limits.is_none() { 5 } else { 4 };
+        let is_steps = attempt % kinds == 4;
+        if is_steps {
+            let steps = limits.iter().zip(recorded).map(|(l, most)| step_limits(l, STEP * most, *rate_hz));
+            (limits, share) = (steps.collect(), 1.0);
+        }
+        let motion = match attempt % kinds {
             0 => Motion::MultiSine {
                 duration_s: piece_s,
                 harmonics: 3 + random.index(6),
@@ -359,12 +393,16 @@ impl<'a> Planner<'a> {
             Motion::MultiSine { top_hz, .. } => format!("sines up to {top_hz:.2} Hz"),
             Motion::Sweeps { .. } => "constant speeds, to and fro".to_owned(),
             Motion::Triangles { speed_rad_s, .. } => format!("triangles at {speed_rad_s:.3} rad/s"),
-            _ => "poses held".to_owned(),
+            _ => if is_steps { "steps" } else { "poses held" }.to_owned(),
         };
         let trajectory = motion.plan(&Robot::of_limits("arm", &limits), random.bits()).ok()?;
         Some((
             trajectory,
-            if part < 1.0 { format!("{words}, in {:.0} % of the range", 100.0 * part) } else { words },
+            if part < 1.0 && !is_steps {
+                format!("{words}, in {:.0} % of the range", 100.0 * part)
+            } else {
+                words
+            },
         ))
     }
 
@@ -374,20 +412,21 @@ impl<'a> Planner<'a> {
         let joints = trajectory.joints();
         let mut random = Random::labelled(self.options.seed, "encoders");
         let (mut time_s, mut position_rad) = (Vec::new(), vec![Vec::new(); joints]);
-        trajectory.rows(self.rate_hz, |t, q, _, _| {
+        let encoders = self.discrimination.encoders();
+        trajectory.rows(self.arm.rate_hz, |t, q, _, _| {
             time_s.push(t);
             for (joint, (series, q)) in position_rad.iter_mut().zip(q).enumerate() {
-                let [step, white] = self.encoders.get(joint).copied().unwrap_or_default();
+                let [step, white] = encoders.get(joint).copied().unwrap_or_default();
                 let noisy = q + white * random.normal();
                 series.push(if step > 0.0 { step * (noisy / step).round() } else { noisy });
             }
         })?;
         let unknown = vec![vec![0.0; time_s.len()]; joints];
         let recording = Recording::from_arrays(time_s, position_rad)?.named("the planned motion");
-        Ok(recording.with_measurement(unknown, self.question.unit)?)
+        Ok(recording.with_measurement(unknown, self.arm.unit)?)
     }
 
-    fn moments(&self, trajectory: &Trajectory) -> Result<MotionMoments, Failure> {
+    fn moments(&self, trajectory: &Trajectory) -> Result<D::Planned, Failure> {
         Ok(self.discrimination.planned(&self.recorded_motion(trajectory)?).map_err(aurt::Error::from)?)
     }
 
@@ -396,15 +435,17 @@ impl<'a> Planner<'a> {
         let (duration_s, harmonics, top_hz, share) = (self.options.duration_s, 6, 0.6, SHARE);
         let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
         let options = ExcitationOptions { sines, tries: SINES_TRIED, torque_limits: false };
-        let robot = Robot::of_limits("arm", &self.limits);
-        let bodies = &**self.question.model.rigid_body();
-        let found = excite(&robot, Some(bodies), &options, self.options.seed, &mut |_, _| ());
+        let robot = Robot::of_limits("arm", &self.arm.limits);
+        let found = excite(&robot, Some(self.arm.bodies), &options, self.options.seed, &mut |_, _| ());
         let any = Motion::MultiSine { duration_s, harmonics, top_hz, share };
         Ok(found.map(|found| found.trajectory).or_else(|_| any.plan(&robot, self.options.seed))?)
     }
-}
 
-fn together<'p>(mut pieces: impl Iterator<Item = &'p Piece>) -> Option<MotionMoments> {
-    let first = pieces.next()?.planned.clone();
-    Some(pieces.fold(first, |sum, piece| sum.and(&piece.planned)))
+    fn together<'p>(&self, mut pieces: impl Iterator<Item = &'p Piece<D::Planned>>) -> Option<D::Planned>
+    where
+        D::Planned: 'p,
+    {
+        let first = pieces.next()?.planned.clone();
+        Some(pieces.fold(first, |sum, piece| self.discrimination.and(sum, &piece.planned)))
+    }
 }

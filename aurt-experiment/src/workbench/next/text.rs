@@ -48,14 +48,14 @@ impl Next {
         let mut lines: Vec<(String, String, Vec<usize>)> = Vec::new();
         for (doubt, outlook) in &self.never {
             let (what, why, joints) = match doubt {
-                Doubt::Absorbed { subject, .. } => {
+                Doubt::Absorbed(subject) => {
                     let why = format!(
                         "the model's own coefficients take up all but {:.1} % of its torque",
                         100.0 * outlook.free
                     );
-                    (format!("`{}`", subject.effect.id), why, subject.joints.clone())
+                    (format!("`{}`", subject.id), why, subject.joints.clone())
                 }
-                _ => (self.words(doubt), reason(outlook), Vec::new()),
+                _ => (self.words(doubt), self.reason(outlook), Vec::new()),
             };
             match lines.iter_mut().find(|(known, ..)| *known == what && !joints.is_empty()) {
                 Some((_, _, all)) => all.extend(joints),
@@ -95,9 +95,10 @@ impl Next {
     fn add_plan(&self, plan: &Plan, text: &mut String) {
         text.push_str(&format!("\nmotion of {:.1} s\n", plan.trajectory.duration_s()));
         text.extend(plan.pieces.iter().map(|piece| format!("  {piece}\n")));
-        let shares = plan.torque.iter().filter(|[_, recorded]| *recorded > 0.0);
+        let what = if self.is_of_drives { "distance from the command" } else { "torque" };
+        let shares = plan.largest.iter().filter(|[_, recorded]| *recorded > 0.0);
         let most = shares.map(|[planned, recorded]| planned / recorded).fold(0.0, f64::max);
-        text.push_str(&format!("  largest predicted torque: {most:.2} of the largest recorded\n"));
+        text.push_str(&format!("  largest predicted {what}: {most:.2} of the largest recorded\n"));
     }
 
     pub fn to_json(&self) -> Value {
@@ -105,14 +106,14 @@ impl Next {
             json!({"settled": o.settled, "wrongly": o.wrongly, "nats": o.nats, "free": o.free, "interval": o.interval.as_ref().map(
                 |i| json!({"parameter": i.parameter, "value": i.value, "std_now": i.now, "std_after": i.after}))})
         };
-        let subject = |s: &Subject| json!({"effect": s.effect.id, "joints": s.joints});
+        let subject = |s: &Subject| json!({"effect": s.id, "joints": s.joints});
         let doubt = |doubt: &Doubt| match doubt {
-            Doubt::Rivals { claimed, rival, .. } => {
+            Doubt::Rivals { claimed, rival } => {
                 json!({"kind": "rivals", "claimed": subject(claimed), "rival": subject(rival)})
             }
-            Doubt::Indicated { subject: s, .. } => json!({"kind": "indicated", "subject": subject(s)}),
-            Doubt::Absorbed { subject: s, .. } => json!({"kind": "absorbed", "subject": subject(s)}),
-            Doubt::Wide { subject: s, wanted } => {
+            Doubt::Indicated(s) => json!({"kind": "indicated", "subject": subject(s)}),
+            Doubt::Absorbed(s) => json!({"kind": "absorbed", "subject": subject(s)}),
+            Doubt::Wide(s, wanted) => {
                 json!({"kind": "wide", "subject": subject(s), "parameter": wanted.parameter, "wanted_std": wanted.std})
             }
         };
@@ -149,8 +150,9 @@ impl Next {
             "motion": self.motion.as_ref().map(|plan| json!({
                 "duration_s": plan.trajectory.duration_s(),
                 "pieces": plan.pieces,
-                "largest_torque": plan.torque.iter().map(|t| t[0]).collect::<Vec<_>>(),
-                "largest_recorded": plan.torque.iter().map(|t| t[1]).collect::<Vec<_>>(),
+                (if self.is_of_drives { "largest_distance_rad" } else { "largest_torque" }):
+                    plan.largest.iter().map(|t| t[0]).collect::<Vec<_>>(),
+                "largest_recorded": plan.largest.iter().map(|t| t[1]).collect::<Vec<_>>(),
             })),
             "notes": self.notes,
         })
@@ -161,26 +163,43 @@ impl Next {
     }
 
     fn named(&self, subject: &Subject) -> String {
-        if subject.effect.is_whole_arm {
-            return format!("`{}`", subject.effect.id);
+        if subject.is_whole_arm {
+            return format!("`{}`", subject.id);
         }
-        format!("`{}` on {}", subject.effect.id, self.names().joint_list(&subject.joints))
+        format!("`{}` on {}", subject.id, self.names().joint_list(&subject.joints))
     }
 
     fn words(&self, doubt: &Doubt) -> String {
         match doubt {
-            Doubt::Rivals { claimed, rival, .. } if claimed.joints == rival.joints => {
-                format!("`{}` or {}", claimed.effect.id, self.named(rival))
+            Doubt::Rivals { claimed, rival } if claimed.joints == rival.joints => {
+                format!("`{}` or {}", claimed.id, self.named(rival))
             }
-            Doubt::Rivals { claimed, rival, .. } => {
+            Doubt::Rivals { claimed, rival } => {
                 format!("{} or {}", self.named(claimed), self.named(rival))
             }
-            Doubt::Indicated { subject, .. } | Doubt::Absorbed { subject, .. } => {
+            Doubt::Indicated(subject) | Doubt::Absorbed(subject) => {
                 format!("{} or nothing", self.named(subject))
             }
-            Doubt::Wide { subject, wanted } => {
+            Doubt::Wide(subject, wanted) => {
                 format!("{} of {} to ± {}", wanted.parameter, self.named(subject), wanted.std)
             }
+        }
+    }
+
+    /// Why no motion that was tried settles a doubt.
+    fn reason(&self, outlook: &Outlook) -> String {
+        match &outlook.interval {
+            Some(interval) => {
+                format!("with all motions that were tried the deviation is {}", plain(interval.after))
+            }
+            None if self.is_of_drives => format!(
+                "with its numbers estimated again, one model follows the other to {} of what a model is expected to miss",
+                plain(outlook.free)
+            ),
+            None => format!(
+                "one explanation follows the other to {:.1} % of its torque in all motions that were tried",
+                100.0 * outlook.free
+            ),
         }
     }
 
@@ -192,19 +211,6 @@ impl Next {
             return String::new();
         }
         format!(" ({:.0} s of it for {SURE})", times * plan.trajectory.duration_s())
-    }
-}
-
-/// Why no motion that was tried tells two explanations apart.
-fn reason(outlook: &Outlook) -> String {
-    match &outlook.interval {
-        Some(interval) => {
-            format!("with all motions that were tried the deviation is {}", plain(interval.after))
-        }
-        None => format!(
-            "one explanation follows the other to {:.1} % of its torque in all motions that were tried",
-            100.0 * outlook.free
-        ),
     }
 }
 

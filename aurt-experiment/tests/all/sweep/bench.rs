@@ -19,21 +19,7 @@ use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
 /// The part of an experiment that sweeps vary.
-pub const BASE: &str = r#"
-schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, -9.81, 0.0]
-[joint_dynamics]
-coulomb = { model = "constant" }
-hysteresis = { model = "sign" }
-viscous = { model = "polynomial", powers = [1] }
-[recordings]
-calibration = ["a.csv", "b.csv", "c.csv"]
-validation = ["d.csv"]
-[preprocess]
-f_dyn_hz = 10.0
-"#;
+pub const BASE: &str = include_str!("base.toml");
 
 /// A folder with an experiment and its recordings.
 pub struct Bench {

@@ -4,7 +4,7 @@ use std::fs;
 
 use aurt_experiment::sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
 
-use super::bench::{Bench, TestLoader, contents, judged, registry};
+use super::bench::{Bench, TestLoader, contents, registry};
 
 const GRID: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\", \"absolute\"]\n\
                     \"joint_dynamics.viscous.powers\" = [[1], [1, 3]]\n";
@@ -82,25 +82,6 @@ fn a_key_covers_recordings_geometry_and_judging() {
     // A comment changes nothing.
     bench.write(&format!("# words\n{GRID}"));
     assert_eq!(first, keys());
-}
-
-#[test]
-fn a_point_that_fails_is_a_result_and_the_others_go_on() {
-    let bench = Bench::new(
-        "[sweep.grid]\n\"preprocess.f_dyn_hz\" = [10.0, 90.0]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\"]\n",
-    );
-    let (plan, summary) = bench.run("out");
-    assert_eq!((summary.run, summary.failed), (4, 2));
-    let results = bench.results("out", &plan);
-    assert!(judged(&results[0]).is_ok() && judged(&results[1]).is_ok());
-    assert!(judged(&results[2]).unwrap_err().contains("f_dyn_hz"), "{:?}", results[2].outcome);
-    let again = bench.run("out").1;
-    assert_eq!((again.run, again.present, again.failed), (0, 4, 2));
-    let folder = Folder::planned(&bench.path("out")).unwrap();
-    let ranking = Ranking::of(&folder, &plan, Rows::Moving);
-    assert_eq!((ranking.ranked.len(), ranking.failed.len(), ranking.missing.len()), (2, 2, 0));
-    assert_eq!(ranking.failed[0].number, 3);
-    assert!(ranking.to_csv().contains("f_dyn_hz"));
 }
 
 #[test]

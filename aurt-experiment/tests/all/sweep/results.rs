@@ -6,16 +6,7 @@ use aurt_traits::MeasurementUnit;
 
 use super::bench::{Bench, TestLoader, judged, options};
 
-const VARIANTS: &str = r#"
-[[sweep.variant]]
-name = "constant"
-[[sweep.variant]]
-name = "with load"
-set = { "joint_dynamics.coulomb" = { model = "absolute" } }
-[[sweep.variant]]
-name = "searched"
-set = { "joint_dynamics.hysteresis" = { model = "tanh" }, arm_terms = [{ model = "rotor_inertia" }] }
-"#;
+const VARIANTS: &str = include_str!("variants.toml");
 
 /// Fits to some recordings and judges on another, without anything shared.
 fn plainly(point: &Point, chosen: &[usize], out: Option<usize>) -> (Vec<f64>, Metrics, Metrics) {

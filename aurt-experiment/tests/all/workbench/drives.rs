@@ -3,53 +3,88 @@
 use std::{fs, path::Path};
 
 use aurt::{Progress, data::Source};
-use aurt_calibration::drives::DriveRecording;
+use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics};
+use aurt_diagnosis::discrimination::{DeviationGoal, Doubt};
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::driving::{
-    CalibratedDrive, DRIVE_FILE, IMPROVED_DRIVE_FILE, check_drives, diagnose_drives, fit_drives,
+use aurt_experiment::workbench::{
+    diagnosing::DiagnosisOptions,
+    driving::{
+        CalibratedDrive, DRIVE_FILE, DriveOutcome, IMPROVED_DRIVE_FILE, check_drives, diagnose_drives,
+        fit_drives,
+    },
+    next::{NextOptions, plan_next},
 };
+use aurt_friction::drives::PositionServo;
 use aurt_plugins::Registry;
+use aurt_rbd::{Joint, Placement, SerialChain};
 use aurt_recording::{AngleUnit, RecordedAs};
 use aurt_traits::CommandSignal;
 
-pub(super) const EXPERIMENT: &str = r#"schema = 1
-[robot]
-mdh = "mdh.csv"
-gravity_m_s2 = [0.0, 0.0, -9.81]
-[drive]
-model = "position_servo"
-estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]
-gain_nm_per_rad = 10.0
-back_emf_nm_s_per_rad = 0.5
-delay_s = 0.02
-coulomb_nm = 0.1
-position_deviation_rad = 1e-3
-[recordings]
-calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-validation = [{ file = "b.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-"#;
+pub(super) const EXPERIMENT: &str = include_str!("servo.toml");
 
 fn read(folder: &Path, text: &str) -> Experiment {
     Experiment::parse(text, &folder.join("experiment.toml"), &mut Registry::linked().unwrap()).unwrap()
 }
 
+/// A folder with the table of a joint, and recordings that follow their commands.
+fn folder_of(recordings: [(&str, &[f64]); 2]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
+    recordings.iter().for_each(|(name, command)| write(&folder.path().join(name), command, command));
+    folder
+}
+
+/// A recording at 50 Hz.
+pub(super) fn write(path: &Path, q: &[f64], command: &[f64]) {
+    let rows = q.iter().zip(command).enumerate();
+    let rows: String = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02)).collect();
+    fs::write(path, "time,q_0,q_cmd_0\n".to_owned() + &rows).unwrap();
+}
+
+/// The positions of an arm of one joint that starts at rest.
+pub(super) fn moved(arm: &DrivenArm, command: &[f64]) -> Vec<f64> {
+    let still = DriveRecording {
+        time_s: (0..command.len()).map(|k| k as f64 * 0.02).collect(),
+        command: vec![command.to_vec()],
+        position_rad: vec![vec![command[0]; command.len()]],
+        ..DriveRecording::default()
+    };
+    arm.rollout(&still).unwrap().remove(0)
+}
+
+fn file_of<'o>(outcome: &'o DriveOutcome, name: &str) -> &'o [u8] {
+    &outcome.files.iter().find(|(own, _)| own == name).unwrap().1
+}
+
+/// A servo of 10 Nm/rad that turns a rotor, on a vertical axis.
+pub(super) fn servo(back_emf_nm_s_per_rad: f64, delay_s: f64, coulomb_nm: f64) -> DrivenArm {
+    let drive =
+        PositionServo { gain_nm_per_rad: 10.0, back_emf_nm_s_per_rad, delay_s, ..PositionServo::default() };
+    let mechanics = Mechanics { rotor_inertia_kg_m2: 0.01, coulomb_nm, ..Mechanics::default() };
+    let joint = Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], [0.0; 3]));
+    DrivenArm {
+        chain: SerialChain::new(vec![joint], [0.0, 0.0, -9.81]).unwrap(),
+        standard_parameters: vec![0.0; 10],
+        joints: vec![DrivenJoint { drive: Box::new(drive), mechanics }],
+        command: CommandSignal::Hold,
+        floor: None,
+    }
+}
+
+/// Positions as an encoder of 4096 ticks a turn has them.
+pub(super) fn read_out(q: &[f64]) -> Vec<f64> {
+    let tick = std::f64::consts::TAU / 4096.0;
+    q.iter().map(|q| (q / tick).round() * tick).collect()
+}
+
 #[test]
 fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
-    let table = |q: &[f64], command: &[f64]| {
-        let rows = q.iter().zip(command).enumerate();
-        let rows = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02));
-        "time,q_0,q_cmd_0\n".to_owned() + &rows.collect::<String>()
-    };
     let commands: [Vec<f64>; 2] = [0.0, 2.0].map(|phase| {
         let wave = |k: f64| 0.4 * (k * 0.03 + phase).sin() + 0.1 * (k * 0.11).sin();
         (0..600).map(|k| wave(f64::from(k))).collect()
     });
-    for (name, command) in ["a.csv", "b.csv"].iter().zip(&commands) {
-        fs::write(folder.join(name), table(command, command)).unwrap();
-    }
+    let folder = folder_of([("a.csv", &commands[0]), ("b.csv", &commands[1])]);
+    let folder = folder.path();
     let experiment = read(folder, EXPERIMENT);
     let path = folder.join("experiment.toml");
     fs::write(&path, EXPERIMENT).unwrap();
@@ -57,28 +92,13 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     assert!(refused.contains("[drive]"), "{refused}");
 
     // What the robot of the experiment does when its friction is 0.3 Nm and its delay 35 ms.
-    let mut robot = fit_drives(&experiment, &Progress::silent()).unwrap();
     let file = folder.join(DRIVE_FILE);
-    let saved = |outcome: &mut aurt_experiment::workbench::driving::DriveOutcome| {
-        outcome.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1.clone()
-    };
-    fs::write(&file, saved(&mut robot)).unwrap();
-    let mut arm = CalibratedDrive::read(&file).unwrap().unwrap().arm;
-    arm.joints[0].mechanics.coulomb_nm = 0.3;
-    let mut numbers: Vec<f64> = arm.joints[0].drive.parameters().iter().map(|p| p.value).collect();
-    (numbers[1], numbers[2]) = (0.4, 0.035);
-    arm.joints[0].drive.set_parameters(&numbers);
+    let arm = servo(0.4, 0.035, 0.3);
     for (name, command) in ["a.csv", "b.csv"].iter().zip(&commands) {
-        let still = DriveRecording {
-            time_s: (0..600).map(|k| f64::from(k) * 0.02).collect(),
-            command: vec![command.clone()],
-            position_rad: vec![vec![command[0]; 600]],
-            ..DriveRecording::default()
-        };
-        fs::write(folder.join(name), table(&arm.rollout(&still).unwrap()[0], command)).unwrap();
+        write(&folder.join(name), &moved(&arm, command), command);
     }
 
-    let mut outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
+    let outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
     for (name, truth) in [("back_emf_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
         let numbers = outcome.json["numbers"].as_array().unwrap();
         let value = numbers.iter().find(|n| n["name"] == name).unwrap()["value"].as_f64().unwrap();
@@ -86,7 +106,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     }
     assert!(outcome.json["held_out_rms"].as_f64().unwrap() < 1e-4, "{}", outcome.text);
     assert!(outcome.text.contains("held-out, all samples"));
-    fs::write(&file, saved(&mut outcome)).unwrap();
+    fs::write(&file, file_of(&outcome, DRIVE_FILE)).unwrap();
     let model = CalibratedDrive::read(&file).unwrap().unwrap();
     let source = Source {
         file: folder.join("a.csv"),
@@ -100,8 +120,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let refused = model.rollout_file(Source { recorded: in_counts, ..source.clone() }).unwrap_err();
     assert!(refused.to_string().contains("commands"), "{refused}");
     let (predicted, _) = model.rollout_file(source.clone()).unwrap();
-    let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
-    assert_eq!(&predicted, written);
+    assert_eq!(predicted, file_of(&outcome, "rollout_a.csv"));
     assert!(!outcome.findings, "{}", outcome.text);
 
     // In degrees positions and commands are those of a motion that is smaller by that factor.
@@ -123,21 +142,14 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         text.replace("delay_s = 0.02", "delay_s = 0.035").replace("coulomb_nm = 0.1", "coulomb_nm = 0.3");
     let outcome = fit_drives(&read(folder, &text), &Progress::silent()).unwrap();
     assert!(outcome.json["held_out_rms"].as_f64().unwrap() < 3e-4, "{}", outcome.text);
-    let rows = &outcome.files.iter().find(|(name, _)| name == "rollout_b.csv").unwrap().1;
-    assert_eq!(String::from_utf8_lossy(rows).lines().count(), 202);
+    assert_eq!(String::from_utf8_lossy(file_of(&outcome, "rollout_b.csv")).lines().count(), 202);
 
     // Held-out recordings of a joint with other friction are no all-clear, however little it is.
     let recorded = fs::read(folder.join("b.csv")).unwrap();
     let held_out = |coulomb_nm: f64| {
         let mut arm = model.arm.clone();
         arm.joints[0].mechanics.coulomb_nm = coulomb_nm;
-        let still = DriveRecording {
-            time_s: (0..600).map(|k| f64::from(k) * 0.02).collect(),
-            command: vec![commands[1].clone()],
-            position_rad: vec![vec![commands[1][0]; 600]],
-            ..DriveRecording::default()
-        };
-        fs::write(folder.join("b.csv"), table(&arm.rollout(&still).unwrap()[0], &commands[1])).unwrap();
+        write(&folder.join("b.csv"), &moved(&arm, &commands[1]), &commands[1]);
         let text = EXPERIMENT.replace("position_deviation_rad = 1e-3", "position_deviation_rad = 5e-3");
         diagnose_drives(&read(folder, &text), &[], &Progress::silent()).unwrap()
     };
@@ -189,9 +201,6 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
 /// MuJoCo.
 #[test]
 fn what_a_servo_lacks_is_named_and_exported() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
     let lacking = EXPERIMENT
         .replace("\"delay_s\", \"coulomb_nm\"", "\"rotor_inertia_kg_m2\"")
         .replace("delay_s = 0.02\ncoulomb_nm = 0.1", "delay_s = 0.0");
@@ -200,36 +209,14 @@ fn what_a_servo_lacks_is_named_and_exported() {
             |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin() + if t > 12.0 { 0.2 } else { 0.0 };
         (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect()
     };
-    let write = |name: &str, q: &[f64], command: &[f64]| {
-        let rows = q.iter().zip(command).enumerate();
-        let rows: String = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02)).collect();
-        fs::write(folder.join(name), "time,q_0,q_cmd_0\n".to_owned() + &rows).unwrap();
-    };
-    for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
-        write(name, &command(phase), &command(phase));
-    }
+    let commands = [("a.csv", command(0.0)), ("b.csv", command(1.0))];
+    let folder = folder_of([0, 1].map(|k| (commands[k].0, &commands[k].1[..])));
+    let folder = folder.path();
     let experiment = read(folder, &lacking);
     let file = folder.join(DRIVE_FILE);
-    let fitted = fit_drives(&experiment, &Progress::silent()).unwrap();
-    fs::write(&file, &fitted.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1).unwrap();
-    let mut arm = CalibratedDrive::read(&file).unwrap().unwrap().arm;
-    let start = experiment.drive.as_ref().unwrap().joints[0].clone();
-    arm.joints[0] = start;
-    arm.joints[0].mechanics.coulomb_nm = 0.2;
-    let mut numbers: Vec<f64> = arm.joints[0].drive.parameters().iter().map(|p| p.value).collect();
-    numbers[2] = 0.04;
-    arm.joints[0].drive.set_parameters(&numbers);
-    for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
-        let command = command(phase);
-        let still = DriveRecording {
-            time_s: (0..1200).map(|k| f64::from(k) * 0.02).collect(),
-            position_rad: vec![vec![command[0]; 1200]],
-            command: vec![command.clone()],
-            ..DriveRecording::default()
-        };
-        let tick = std::f64::consts::TAU / 4096.0;
-        let q: Vec<f64> = arm.rollout(&still).unwrap()[0].iter().map(|q| (q / tick).round() * tick).collect();
-        write(name, &q, &command);
+    let arm = servo(0.5, 0.04, 0.2);
+    for (name, command) in &commands {
+        write(&folder.join(name), &read_out(&moved(&arm, command)), command);
     }
     let outcome = diagnose_drives(&experiment, &[], &Progress::silent()).unwrap();
     assert!(outcome.findings, "{}", outcome.text);
@@ -246,14 +233,33 @@ fn what_a_servo_lacks_is_named_and_exported() {
     }
     assert_eq!(missing.len(), 2, "{}", outcome.text);
     assert_eq!(outcome.json["verdict"], "named", "{}", outcome.text);
+
+    // The next motion keeps to where the commands have been, and narrows what is wanted.
+    let wanted = vec![DeviationGoal { parameter: "rotor_inertia_kg_m2".into(), std: 1e-4 }];
+    let (limits, keep_out, diagnosis) = (None, Vec::new(), DiagnosisOptions::default());
+    let options = NextOptions { diagnosis, limits, keep_out, wanted, duration_s: 8.0, draws: 12, seed: 1 };
+    let registry = Registry::linked().unwrap();
+    let plan = plan_next(&experiment, &registry, &options, &Progress::silent()).unwrap();
+    let wide = plan.open.iter().find(|open| matches!(open.doubt, Doubt::Wide(..))).unwrap();
+    let interval = wide.planned.interval.as_ref().unwrap();
+    assert!(0.0 < interval.after && interval.after < interval.now, "{wide:?}");
+    assert!(wide.planned.settled >= wide.generic.settled - 1e-4, "{wide:?}");
+    let notes = plan.notes.join("\n");
+    assert!(notes.contains("record this motion twice") && notes.contains("of the commands"), "{notes}");
+    let all = || commands.iter().flat_map(|(_, command)| command);
+    let range = [all().copied().fold(0.0, f64::min), all().copied().fold(0.0, f64::max)];
+    let motion = plan.motion.unwrap().trajectory;
+    motion
+        .rows(50.0, |_, q, _, _| assert!(range[0] - 1e-6 < q[0] && q[0] < range[1] + 1e-6, "{q:?}"))
+        .unwrap();
+
     // A window keeps the commands before it, of which nothing is simulated.
     let part = lacking.replace("file = \"b.csv\"", "file = \"b.csv\", window_s = [3.0, 24.0]");
     let of_part =
         diagnose_drives(&read(folder, &part), &["dead_band".to_owned()], &Progress::silent()).unwrap();
     assert_eq!(of_part.json["remainder"].as_array().unwrap().len(), 1, "{}", of_part.text);
     assert!(of_part.findings, "{}", of_part.text);
-    let improved = &outcome.files.iter().find(|(name, _)| name == IMPROVED_DRIVE_FILE).unwrap().1;
-    fs::write(&file, improved).unwrap();
+    fs::write(&file, file_of(&outcome, IMPROVED_DRIVE_FILE)).unwrap();
     let mut model = CalibratedDrive::read(&file).unwrap().unwrap();
     let exported = model.to_mjcf("servo").unwrap_err().to_string();
     assert!(exported.contains("mass"), "a robot without masses is no MuJoCo model: {exported}");

@@ -3,56 +3,20 @@
 use std::{fs, path::Path};
 
 use aurt::Progress;
-use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::driving::{DriveOutcome, second_opinion};
-use aurt_friction::drives::PositionServo;
 use aurt_plugins::Registry;
-use aurt_rbd::{Joint, Placement, SerialChain};
-use aurt_traits::CommandSignal;
 
-use super::drives::EXPERIMENT;
+use super::drives::{EXPERIMENT, moved, read_out, servo, write};
 
 /// What the servo does: a delay of 28 ms and dry friction of 0.06 Nm, read by an encoder of 4096 ticks a turn.
 fn record(folder: &Path) {
     fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
-    let drive = PositionServo {
-        gain_nm_per_rad: 10.0,
-        back_emf_nm_s_per_rad: 0.4,
-        delay_s: 0.028,
-        ..PositionServo::default()
-    };
-    let mechanics = Mechanics { rotor_inertia_kg_m2: 0.01, coulomb_nm: 0.06, ..Mechanics::default() };
-    let chain = SerialChain::new(
-        vec![Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], [0.0; 3]))],
-        [0.0, 0.0, -9.81],
-    )
-    .unwrap();
-    let joints = vec![DrivenJoint { drive: Box::new(drive), mechanics }];
-    let arm = DrivenArm {
-        chain,
-        standard_parameters: vec![0.0; 10],
-        joints,
-        command: CommandSignal::Hold,
-        floor: None,
-    };
+    let arm = servo(0.4, 0.028, 0.06);
     for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
         let wave = |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin();
         let command: Vec<f64> = (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect();
-        let recording = DriveRecording {
-            time_s: (0..1200).map(|k| f64::from(k) * 0.02).collect(),
-            position_rad: vec![command.clone()],
-            command: vec![command.clone()],
-            ..DriveRecording::default()
-        };
-        let tick = std::f64::consts::TAU / 4096.0;
-        let q = arm.rollout(&recording).unwrap().swap_remove(0);
-        let rows = q.iter().zip(&command).enumerate();
-        let row = |(k, (q, c)): (usize, (&f64, &f64))| {
-            format!("{},{},{c}\n", k as f64 * 0.02, (q / tick).round() * tick)
-        };
-        fs::write(folder.join(name), "time,q_0,q_cmd_0\n".to_owned() + &rows.map(row).collect::<String>())
-            .unwrap();
+        write(&folder.join(name), &read_out(&moved(&arm, &command)), &command);
     }
 }
 

@@ -1,14 +1,14 @@
 //! Cases of servo arms.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, path::Path};
 
-use aurt_simulation::{Random, SimulationError, robots::Rotors};
+use aurt_simulation::{Motion, MotionLimits, Random, Robot, SimulationError, robots::Rotors};
 use serde_json::json;
 
 use super::{
     arm::{GRAVITY_M_S2, ServoArm},
     effect::{EFFECTS, ServoEffect, factors},
-    motion::commands,
+    motion::{STREAM_S, commands},
     plant::{Recorded, simulate},
 };
 use crate::{
@@ -72,6 +72,9 @@ pub(crate) fn requests(plan: &Plan, seed: u64) -> Vec<CaseRequest> {
 
 /// An arm without the effects and with them.
 struct Arms {
+    effects: Vec<&'static ServoEffect>,
+    /// Commands of each recording.
+    streams: Vec<Vec<Vec<f64>>>,
     described: ServoArm,
     truth: ServoArm,
     /// Size and reached strength of each effect, rad by joint.
@@ -79,19 +82,10 @@ struct Arms {
 }
 
 pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case, SimulationError> {
-    let refuse = |reason: String| SimulationError::unreadable(name, reason);
-    let of = |id: &String| {
-        EFFECTS.iter().find(|e| e.id == *id).ok_or_else(|| refuse(format!("servo arms have no `{id}`")))
-    };
-    let effects = request.effects.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    let failed = |error: aurt_rbd::RbdError| SimulationError::unreadable(name, error.to_string());
     let mut random = Random::labelled(seed, "servo");
-    let mut drawn = ServoArm::draw(&mut random);
-    effects.iter().for_each(|e| e.without(&mut drawn));
-    let streams: Vec<Vec<Vec<f64>>> = (0..RECORDINGS.0 + RECORDINGS.1)
-        .map(|_| drawn.servos.iter().map(|_| commands(RECORDINGS.2, &mut random)).collect())
-        .collect();
-    let failed = |error: aurt_rbd::RbdError| refuse(error.to_string());
-    let arms = arms(drawn, &effects, request.strength, &streams[0], &mut random).map_err(failed)?;
+    let arms =
+        Arms::draw(&effects(name, &request.effects)?, request.strength, &mut random).map_err(failed)?;
     // The draw is made in every case: what is given says nothing of what is concealed.
     let gains_given = random.chance(GIVEN) || request.effects.iter().any(|e| e == "torque_constant");
     let urdf = arms.described.urdf(&mut random);
@@ -99,7 +93,7 @@ pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case,
         ("experiment.toml".to_owned(), experiment(&arms.described, gains_given).into_bytes()),
         ("robot.urdf".to_owned(), urdf.into_bytes()),
     ];
-    for (k, streams) in streams.iter().enumerate() {
+    for (k, streams) in arms.streams.iter().enumerate() {
         let recorded = simulate(&arms.truth, streams, random.bits()).map_err(failed)?;
         files.push((format!("recording_{}.csv", k + 1), table(&recorded)));
     }
@@ -111,7 +105,12 @@ pub(crate) fn make(name: &str, request: &CaseRequest, seed: u64) -> Result<Case,
         rotors: Rotors::Geared,
         case_type: request.case_type,
         strength: request.strength,
-        effects: effects.iter().zip(&arms.reached).map(|(e, r)| true_effect(e, r, &arms.truth)).collect(),
+        effects: arms
+            .effects
+            .iter()
+            .zip(&arms.reached)
+            .map(|(e, r)| true_effect(e, r, &arms.truth))
+            .collect(),
         background: Vec::new(),
         reference: None,
         noise_nm: Vec::new(),
@@ -136,32 +135,56 @@ fn true_effect(effect: &ServoEffect, (size, reached): &(f64, Vec<f64>), arm: &Se
     }
 }
 
-/// Puts effects into an arm, each at the size that moves its positions as much as is wanted.
-fn arms(
-    described: ServoArm,
-    effects: &[&ServoEffect],
-    strength: Strength,
-    streams: &[Vec<f64>],
-    random: &mut Random,
-) -> Result<Arms, aurt_rbd::RbdError> {
-    let (mut truth, mut reached) = (described.clone(), Vec::new());
-    let still = simulate(&described, streams, 0)?;
-    for effect in effects {
-        let factors = factors(described.servos.len(), random);
-        let moved = |size: f64| -> Result<Vec<f64>, aurt_rbd::RbdError> {
-            Ok(apart(&simulate(&effect.on(&described, size, &factors), streams, 0)?, &still))
-        };
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let most = moved(effect.size(middle))?.into_iter().fold(0.0, f64::max);
-            if most < wanted_rad(strength) { low = middle } else { high = middle }
+impl Arms {
+    /// Draws an arm and puts effects into it, each at the size that moves its positions as much as is wanted.
+    fn draw(
+        effects: &[&'static ServoEffect],
+        strength: Strength,
+        random: &mut Random,
+    ) -> Result<Self, aurt_rbd::RbdError> {
+        let mut described = ServoArm::draw(random);
+        effects.iter().for_each(|e| e.without(&mut described));
+        let streams: Vec<Vec<Vec<f64>>> = (0..RECORDINGS.0 + RECORDINGS.1)
+            .map(|_| described.servos.iter().map(|_| commands(RECORDINGS.2, random)).collect())
+            .collect();
+        let (mut truth, mut reached) = (described.clone(), Vec::new());
+        let still = simulate(&described, &streams[0], 0)?;
+        for effect in effects {
+            let factors = factors(described.servos.len(), random);
+            let moved = |size: f64| -> Result<Vec<f64>, aurt_rbd::RbdError> {
+                Ok(apart(&simulate(&effect.on(&described, size, &factors), &streams[0], 0)?, &still))
+            };
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                let most = moved(effect.size(middle))?.into_iter().fold(0.0, f64::max);
+                if most < wanted_rad(strength) { low = middle } else { high = middle }
+            }
+            let size = effect.size(0.5 * (low + high));
+            truth = effect.on(&truth, size, &factors);
+            reached.push((size, moved(size)?));
         }
-        let size = effect.size(0.5 * (low + high));
-        truth = effect.on(&truth, size, &factors);
-        reached.push((size, moved(size)?));
+        Ok(Self { effects: effects.to_vec(), streams, described, truth, reached })
     }
-    Ok(Arms { described, truth, reached })
+}
+
+fn effects(name: &str, ids: &[String]) -> Result<Vec<&'static ServoEffect>, SimulationError> {
+    let unknown = |id: &String| SimulationError::unreadable(name, format!("servo arms have no `{id}`"));
+    ids.iter().map(|id| EFFECTS.iter().find(|e| e.id == *id).ok_or_else(|| unknown(id))).collect()
+}
+
+/// The recording of a motion by the arm of a case, as a table like those of the case.
+pub(crate) fn record(truth: &Truth, motion: &Path, seed: u64) -> Result<Vec<u8>, SimulationError> {
+    let failed = |error: aurt_rbd::RbdError| SimulationError::unreadable(&truth.case, error.to_string());
+    let ids: Vec<String> = truth.effects.iter().map(|e| e.effect.clone()).collect();
+    let mut random = Random::labelled(truth.seed, "servo");
+    let arms = Arms::draw(&effects(&truth.case, &ids)?, truth.strength, &mut random).map_err(failed)?;
+    let limits = MotionLimits { position_rad: [-1e9, 1e9], velocity_rad_s: 1e9, acceleration_rad_s2: 1e9 };
+    let robot = Robot::of_limits("arm", &vec![limits; arms.truth.servos.len()]);
+    let motion = Motion::Recorded { file: motion.to_owned() }.plan(&robot, seed)?;
+    let mut streams = vec![Vec::new(); robot.joints()];
+    motion.rows(1.0 / STREAM_S, |_, q, _, _| streams.iter_mut().zip(q).for_each(|(s, q)| s.push(*q)))?;
+    Ok(table(&simulate(&arms.truth, &streams, seed).map_err(failed)?))
 }
 
 /// Root mean square of the difference of two recordings, rad by joint.

@@ -10,4 +10,4 @@ mod make;
 mod motion;
 mod plant;
 
-pub(crate) use make::{make, requests};
+pub(crate) use make::{make, record, requests};
