@@ -29,10 +29,16 @@ type PickledVerdict = ((bool, String, String), Vec<String>, Vec<String>, Model, 
 /// What a diagnosis found: where model and recordings differ, and what physics is missing.
 #[pyclass(frozen, module = "aurt")]
 pub struct Verdict {
+    /// Whether something has changed or is missing.
+    #[pyo3(get)]
     found: bool,
     document: Value,
     text: String,
+    /// What that model has and the diagnosed one has not.
+    #[pyo3(get)]
     added: Vec<String>,
+    /// What a person should know about that model.
+    #[pyo3(get)]
     notes: Vec<String>,
     model: CalibratedModel,
     report: Report,
@@ -162,12 +168,6 @@ impl Verdict {
         self.document["structure"].as_str()
     }
 
-    /// Whether something has changed or is missing.
-    #[getter]
-    fn found(&self) -> bool {
-        self.found
-    }
-
     /// The effects as rows, strongest first.
     #[getter]
     fn effects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -196,18 +196,6 @@ impl Verdict {
     #[getter]
     fn model(&self) -> Model {
         Model::alone(self.model.clone())
-    }
-
-    /// What that model has and the diagnosed one has not.
-    #[getter]
-    fn added(&self) -> Vec<String> {
-        self.added.clone()
-    }
-
-    /// What a person should know about that model.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
     }
 
     /// All of it, as `verdict.json` has it.

@@ -30,6 +30,8 @@ const AT_ONCE: usize = 256;
 #[pyclass(frozen, module = "aurt")]
 pub struct Robot {
     pub inner: aurt::Robot,
+    /// The robot's name.
+    #[pyo3(get)]
     name: String,
 }
 
@@ -106,12 +108,6 @@ impl Robot {
     fn _restored(name: String, state: &str) -> PyResult<Self> {
         let state = serde_json::from_str(state).map_err(pickled::broken("robot"))?;
         Ok(Self { inner: pickled::robot(state)?, name })
-    }
-
-    /// The robot's name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
     }
 
     /// Number of joints N.
