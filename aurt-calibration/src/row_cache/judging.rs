@@ -1,10 +1,10 @@
 use aurt_traits::RobotModel;
 
 use super::{
-    dynamics::{Source, dynamics_sums},
-    load::LoadSeries,
+    dynamics::{Source, add_sums},
     parts::{StackSums, add},
     rigid::RigidRows,
+    series::{LoadSeries, filtered},
 };
 use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validation::validated};
 
@@ -65,7 +65,8 @@ impl RigidRows<'_> {
                 self.add_stack(place, stack, &load, own, &mut predictions[joint], &mut unfiltered)?;
             }
             if unfiltered.any || !others.is_empty() {
-                let sums = dynamics_sums(&others, segment, &load, of, unfiltered.sums)?;
+                add_sums(&others, segment, &load, of, &mut unfiltered.sums)?;
+                let sums = filtered(segment, &unfiltered.sums, joints)?;
                 predictions.iter_mut().zip(&sums).for_each(|(predicted, sum)| add(predicted, 1.0, sum));
             }
             let motion = segment.motion.view();

@@ -6,9 +6,8 @@ use aurt_traits::{JointModel, JointStack};
 
 use super::{
     kept::Part,
-    load::LoadSeries,
     rigid::RigidRows,
-    series::{filtered, identity, unfiltered},
+    series::{LoadSeries, filtered, identity, unfiltered},
 };
 use crate::CalibrationError;
 

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
-    calibrate::Setting, calibrate_rows, calibrate_scoped,
+    calibrate::Setting, calibrate_scoped, row_cache::fit,
 };
 
 /// Weights and load torque follow the shapes at most this often.
@@ -49,7 +49,7 @@ pub fn calibrate_shapes(
 /// As [`calibrate_shapes`], from shared rows.
 ///
 /// # Errors
-/// As [`calibrate_rows`].
+/// As [`calibrate_scoped`]; [`CalibrationError::Columns`] for a model of other rigid bodies.
 pub fn calibrate_shapes_rows(
     model: &RobotModel,
     rows: &FitRows<'_>,
@@ -61,7 +61,9 @@ pub fn calibrate_shapes_rows(
 ) -> Result<(RobotModel, Calibration), CalibrationError> {
     let owners = Owner::all(model);
     if !options.fit_shapes || owners.is_empty() {
-        let calibration = calibrate_rows(model, rows, scopes, unit, f_dyn_hz, options)?;
+        let setting = Setting { model, unit, f_dyn_hz, options };
+        let fitted = fit(model, rows, scopes, options)?;
+        let calibration = rows.calibration(&setting, &fitted, scopes, None)?;
         return Ok((model.clone(), calibration));
     }
     let mut shaped = Shaped::begin(model, rows, scopes, options)?;

@@ -250,7 +250,7 @@ impl<'a> Problem<'a> {
             .iter()
             .chain(owners.iter().flat_map(|columns| columns.iter()))
             .filter(|c| c.joint == joint)
-            .map(|c| (c.column, &c.split))
+            .map(|c| (c.column, &*c.split))
             .collect();
         own.sort_by_key(|(column, _)| *column);
         for (k, sensitivity) in appended.iter().enumerate() {
