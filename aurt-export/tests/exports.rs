@@ -236,7 +236,7 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
-        KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
+        KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), &*robot.name));
     for (chain, name) in
         [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")].into_iter().chain(known)
     {

@@ -102,14 +102,14 @@ impl PlannedRobotOptions {
                 let notes = vec![format!("limits: those of {asked}, as it is simulated")];
                 Ok(PlannedRobot { robot, bodies: None, joint_names: Vec::new(), notes, knows_torques: true })
             }
-            (_, Some(known)) => self.of_description(&known.description(), known.name),
+            (_, Some(known)) => self.of_description(&known.description(), &known.name),
             (Ok(_), None) => Err(Failure::argument(
                 "--limits",
                 format!("{asked} is simulated with limits of its own"),
                 "leave `--limits` out, or give the geometry with `--mdh`",
             )),
             (Err(SimulationError::UnknownRobot { name, mut known }), None) => {
-                known.extend(KNOWN_ROBOTS.iter().map(|robot| robot.name.to_owned()));
+                known.extend(KNOWN_ROBOTS.iter().map(|robot| robot.name.clone()));
                 known.sort();
                 known.dedup();
                 Err(SimulationError::UnknownRobot { name, known }.into())

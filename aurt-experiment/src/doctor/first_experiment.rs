@@ -111,7 +111,7 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
 fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     let robot = known.robot.as_str();
     if let Some(named) = known_robot(robot) {
-        let line = format!("name = {}\n", quoted(named.name));
+        let line = format!("name = {}\n", quoted(&named.name));
         return Ok(Arm { line, joints: of(&named.description()), is_table: false });
     }
     let file = Path::new(robot);

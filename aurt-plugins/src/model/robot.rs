@@ -95,7 +95,7 @@ impl Robot {
         let Some(known) = known_robot(name) else {
             let meant =
                 probably_meant(name).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
-            let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| robot.name).collect();
+            let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| &*robot.name).collect();
             return Err(Error::UnknownRobot {
                 name: name.to_owned(),
                 remedy: format!(

@@ -129,7 +129,7 @@ fn tables(subject: &Subject, now: &[Joint]) -> Vec<Mistake> {
     if subject.name.is_some() {
         for robot in KNOWN_ROBOTS.iter().filter(|r| r.joints() == now.len()) {
             if let Ok(chain) = robot.description().chain([0.0; 3]) {
-                tables.push((Table::Known(robot.name), chain.joints().to_vec()));
+                tables.push((Table::Known(&robot.name), chain.joints().to_vec()));
             }
         }
     }
