@@ -6,15 +6,14 @@ mod crates;
 mod models;
 mod units;
 
-use std::{
-    ffi::OsStr,
-    path::Path,
-    process::{Command, Output},
-    sync::LazyLock,
-};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
-use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
+use aurt_friction::arm_terms::joint_selection::JointSelection;
+use aurt_friction::arm_terms::torque_ripple::TorqueRipple;
 use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
 use aurt_rbd::{ChainDynamics, RobotDescription};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};

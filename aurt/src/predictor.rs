@@ -6,7 +6,8 @@ use aurt_traits::{
     ArmSeries, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView,
     RigidBodyRegressor, RobotModel,
 };
-use std::{any::Any, sync::Arc};
+use std::any::Any;
+use std::sync::Arc;
 
 use crate::error::Error;
 

@@ -6,7 +6,8 @@ use aurt_traits::{
     MotionView, RigidBodyRegressor, RobotModel,
 };
 
-use crate::{calibrated_file::CalibratedModel, error::Error};
+use crate::calibrated_file::CalibratedModel;
+use crate::error::Error;
 
 /// Samples that are evaluated together: their columns stay in the fastest cache.
 const AT_ONCE: usize = 256;

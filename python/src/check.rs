@@ -1,24 +1,24 @@
 //! What recordings are good for, and usual mistakes of a setup.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use aurt_experiment::Experiment;
 use aurt_experiment::doctor::checkup::{Checkup as Checked, Given, Known, Question, check as checked};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
-use aurt_report::{Page, rendering::style::Style};
+use aurt_report::Page;
+use aurt_report::rendering::style::Style;
 use pyo3::prelude::*;
 use serde_json::Value;
 
-use crate::{
-    error::refused,
-    recording::recordings,
-    report::Report,
-    robot::Structure,
-    rows::{python_of, rows},
-    settings::listener,
-    work,
-};
+use crate::error::refused;
+use crate::recording::recordings;
+use crate::report::Report;
+use crate::robot::Structure;
+use crate::rows::{python_of, rows};
+use crate::settings::listener;
+use crate::work;
 
 /// What a check came to: findings to be heeded before anyone calibrates on the recordings.
 #[pyclass(frozen, module = "aurt")]

@@ -4,7 +4,8 @@ use aurt_traits::{
 };
 
 use super::series::{LoadSeries, separable, tiles};
-use crate::{CalibrationError, rows::TILE_SAMPLES};
+use crate::CalibrationError;
+use crate::rows::TILE_SAMPLES;
 
 /// Distance between the columns of a tile; not a multiple of 4096 bytes, so that they do not share cache sets.
 const STRIDE: usize = TILE_SAMPLES + 8;

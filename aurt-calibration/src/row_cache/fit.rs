@@ -3,12 +3,10 @@ use std::sync::Arc;
 use aurt_traits::{Dispatch, RobotModel};
 use rayon::prelude::*;
 
-use super::{
-    dynamics::{DynamicsColumn, Source, dynamics_rows},
-    kept::Kept,
-    rigid::RigidRows,
-    series::LoadSeries,
-};
+use super::dynamics::{DynamicsColumn, Source, dynamics_rows};
+use super::kept::Kept;
+use super::rigid::RigidRows;
+use super::series::LoadSeries;
 use crate::{
     CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes, dense,
     noise_bandwidth_factor,

@@ -1,15 +1,16 @@
 use aurt_traits::{JointStack, LoadTorque, RobotModel};
 use rayon::prelude::*;
 
-use super::{dynamics::Source, fit::FitRows, series::LoadSeries};
+use super::dynamics::Source;
+use super::fit::FitRows;
+use super::series::LoadSeries;
+use crate::calibrate::{FittedTo, Setting, finished};
+use crate::errors_in_positions::Shift;
+use crate::rows::Observed;
+use crate::system::estimate_coefficients;
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, Estimate, JointRange, LoadTorqueChoice,
-    NamedRecording, System, TermScopes,
-    calibrate::{FittedTo, Setting, finished},
-    errors_in_positions::Shift,
-    estimate,
-    rows::Observed,
-    system::estimate_coefficients,
+    NamedRecording, System, TermScopes, estimate,
 };
 
 #[derive(Debug)]

@@ -1,12 +1,11 @@
 use aurt_traits::RobotModel;
 
-use super::{
-    dynamics::{Source, add_sums},
-    parts::{StackSums, add},
-    rigid::RigidRows,
-    series::{LoadSeries, filtered},
-};
-use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validation::validated};
+use super::dynamics::{Source, add_sums};
+use super::parts::{StackSums, add};
+use super::rigid::RigidRows;
+use super::series::{LoadSeries, filtered};
+use crate::validation::validated;
+use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows};
 
 /// A measured row beside its prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]

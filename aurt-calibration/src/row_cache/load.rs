@@ -1,11 +1,9 @@
 use aurt_recording::Segment;
 use aurt_traits::{LoadTorque, RobotModel};
 
-use super::{
-    dynamics::{Source, add_sums},
-    rigid::RigidRows,
-    series::LoadSeries,
-};
+use super::dynamics::{Source, add_sums};
+use super::rigid::RigidRows;
+use super::series::LoadSeries;
 use crate::CalibrationError;
 
 impl RigidRows<'_> {

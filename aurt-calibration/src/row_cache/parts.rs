@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use aurt_traits::{JointModel, JointStack};
 
-use super::{
-    kept::Part,
-    rigid::RigidRows,
-    series::{LoadSeries, filtered, identity, unfiltered},
-};
+use super::kept::Part;
+use super::rigid::RigidRows;
+use super::series::{LoadSeries, filtered, identity, unfiltered};
 use crate::CalibrationError;
 
 impl RigidRows<'_> {

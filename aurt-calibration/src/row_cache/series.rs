@@ -3,7 +3,8 @@
 use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
-use crate::{CalibrationError, rows::TILE_SAMPLES};
+use crate::CalibrationError;
+use crate::rows::TILE_SAMPLES;
 
 /// The load torque τ_J of every joint over a segment, unfiltered.
 #[derive(Debug, Clone)]

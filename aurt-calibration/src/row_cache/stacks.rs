@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use aurt_traits::{JointModel, JointStack};
 
-use super::{
-    fit::{FitRows, Piece, Split, SplitColumn},
-    series::{LoadSeries, filtered, identity, unfiltered},
-};
+use super::fit::{FitRows, Piece, Split, SplitColumn};
+use super::series::{LoadSeries, filtered, identity, unfiltered};
 use crate::CalibrationError;
 
 impl FitRows<'_> {

@@ -1,17 +1,17 @@
 use aurt_traits::{MeasurementUnit, RobotModel};
 
-use super::{
-    damped::ShapeOptions,
-    owner::Owner,
-    report::ShapeReport,
-    search::{Found, search_box, search_nearby},
-    shaped::Shaped,
-    shifted::shift,
-    uncertainty::precision,
-};
+use super::damped::ShapeOptions;
+use super::owner::Owner;
+use super::report::ShapeReport;
+use super::search::{Found, search_box, search_nearby};
+use super::shaped::Shaped;
+use super::shifted::shift;
+use super::uncertainty::precision;
+use crate::calibrate::Setting;
+use crate::row_cache::fit;
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
-    calibrate::Setting, calibrate_scoped, row_cache::fit,
+    calibrate_scoped,
 };
 
 /// Weights and load torque follow the shapes at most this often.

@@ -1,11 +1,10 @@
 //! The robot that `aurt excite` plans motions for: geometry and limits, each from where it is stated.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use aurt_experiment::workbench::{failure::Failure, table_file::TableFile};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::table_file::TableFile;
 use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, Parent, RobotDescription};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};

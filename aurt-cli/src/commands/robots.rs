@@ -2,7 +2,8 @@
 
 use aurt_experiment::workbench::failure::Failure;
 use aurt_rbd::robots::{JointLimits, KNOWN_ROBOTS, KnownRobot};
-use aurt_report::rendering::{table::Table, text::wrapped_at};
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped_at;
 use clap::Args;
 use serde_json::{Value, json};
 

@@ -18,7 +18,8 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::shape::verdict;
 
 /// A constant offset of the measurement.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -29,7 +29,9 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, hysteresis::sign::sign_beyond, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::hysteresis::sign::sign_beyond;
+use crate::shape::verdict;
 
 /// Load-dependent friction by the sign of power.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

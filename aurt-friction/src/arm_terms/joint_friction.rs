@@ -29,10 +29,11 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    arm_terms::joint_selection::JointSelection, coulomb::constant::Constant, hysteresis::sign::Sign,
-    shape::verdict, viscous::polynomial::Polynomial,
-};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::coulomb::constant::Constant;
+use crate::hysteresis::sign::Sign;
+use crate::shape::verdict;
+use crate::viscous::polynomial::Polynomial;
 
 /// A second stack on joints.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -21,7 +21,8 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::shape::verdict;
 
 /// Viscous friction with a slope for each direction.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -2,12 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{Plan, Truth, conceal},
-    commands::{Report, Session},
-    injected::InjectedWorld,
-    product::Failure,
-};
+use crate::case::{Plan, Truth, conceal};
+use crate::commands::{Report, Session};
+use crate::injected::InjectedWorld;
+use crate::product::Failure;
 use aurt_simulation::{Random, SimulationError};
 use clap::Args;
 use rayon::prelude::*;

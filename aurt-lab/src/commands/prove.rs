@@ -1,16 +1,13 @@
 //! `aurt-lab prove`: how often a diagnosis is right, on cases whose truth is known and hidden from it.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{Plan, World},
-    commands::{Report, Session, conceal::read_plan},
-    product::{Failure, OutputFolder, pretty},
-    proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
-};
+use crate::case::{Plan, World};
+use crate::commands::conceal::read_plan;
+use crate::commands::{Report, Session};
+use crate::product::{Failure, OutputFolder, pretty};
+use crate::proof::{self, Ingredients, Options, Place, Proof, Proven, Shard};
 use clap::Args;
 use serde_json::json;
 

@@ -1,15 +1,11 @@
 //! The world of another engine: cases that a Python program makes with MuJoCo.
 
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
-use super::{
-    place::Place,
-    source::{Ingredients, Planned, Source},
-};
+use super::place::Place;
+use super::source::{Ingredients, Planned, Source};
 use crate::product::Failure;
 
 /// Names the Python interpreter; `python3` without it.

@@ -48,14 +48,11 @@ pub mod declaring {
 
     pub(crate) use super::physics::per_joint;
 
-    pub use super::{
-        Checks, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict, kind::constant_level,
-    };
-    pub use crate::{
-        error::SimulationError,
-        random::Random,
-        robots::{Robot, Rotors},
-    };
+    pub use super::kind::constant_level;
+    pub use super::{Checks, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict};
+    pub use crate::error::SimulationError;
+    pub use crate::random::Random;
+    pub use crate::robots::{Robot, Rotors};
 }
 
 /// The types of the effects, and the catalogue of their kinds.

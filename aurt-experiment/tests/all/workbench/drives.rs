@@ -1,8 +1,10 @@
 //! Experiments with a `[drive]`, from files to files.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
-use aurt::{Progress, data::Source};
+use aurt::Progress;
+use aurt::data::Source;
 use aurt_calibration::drives::DriveRecording;
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::driving::{
