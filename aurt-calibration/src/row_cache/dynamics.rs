@@ -113,13 +113,7 @@ impl Running<'_> {
         match self.source {
             Source::Stack { joint, stack, .. } => {
                 let now = motion.slice(first..end);
-                let series = JointSeries {
-                    time_s: now.time_s(),
-                    position_rad: now.position_rad(joint),
-                    velocity_rad_s: now.velocity_rad_s(joint),
-                    acceleration_rad_s2: now.acceleration_rad_s2(joint),
-                    load_torque: &load.joint(joint)[first..end],
-                };
+                let series = JointSeries::of(now, joint, &load.joint(joint)[first..end]);
                 let state = self.state.get_or_insert_with(|| stack.initial_state(&series.slice(0..1)));
                 let mut out = Columns::new(out, self.entries.len(), samples, STRIDE);
                 stack.evaluate(&series, state, &mut out)?;

@@ -54,13 +54,7 @@ pub(super) fn unfiltered(
     let (count, samples) = (model.columns().len(), motion.samples());
     let mut columns = vec![0.0; count * samples];
     if samples > 0 {
-        let series = JointSeries {
-            time_s: motion.time_s(),
-            position_rad: motion.position_rad(joint),
-            velocity_rad_s: motion.velocity_rad_s(joint),
-            acceleration_rad_s2: motion.acceleration_rad_s2(joint),
-            load_torque,
-        };
+        let series = JointSeries::of(motion, joint, load_torque);
         let mut state = model.initial_state(&series.slice(0..1));
         model.evaluate(&series, &mut state, &mut Columns::new(&mut columns, count, samples, samples))?;
     }

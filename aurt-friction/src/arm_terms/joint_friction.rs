@@ -93,13 +93,7 @@ impl JointFriction {
 }
 
 fn joint_series<'a>(series: &ArmSeries<'a>, joint: usize) -> JointSeries<'a> {
-    JointSeries {
-        time_s: series.motion.time_s(),
-        position_rad: series.motion.position_rad(joint),
-        velocity_rad_s: series.motion.velocity_rad_s(joint),
-        acceleration_rad_s2: series.motion.acceleration_rad_s2(joint),
-        load_torque: series.load_torque(joint),
-    }
+    JointSeries::of(series.motion, joint, series.load_torque(joint))
 }
 
 #[typetag::serde(name = "joint_friction")]
