@@ -11,8 +11,8 @@
 mod workload;
 
 use aurt_calibration::{
-    CalibrationOptions, Estimator, FitRows, LoadTorqueChoice, NamedRecording, RigidRows, TermScopes,
-    accumulate, calibrate, calibrate_rows, estimate,
+    CalibrationOptions, Estimator, FitRows, LoadTorqueChoice, NamedRecording, RigidRows, ShapeOptions,
+    TermScopes, accumulate, calibrate, calibrate_shapes_rows, estimate,
 };
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_traits::{Dispatch, LoadTorque, MeasurementUnit, RobotModel};
@@ -62,9 +62,11 @@ fn main() {
         let calibrated = processor_s();
         let rigid = RigidRows::new(&model, &prepared).unwrap();
         let rows = FitRows::new(&rigid, &[0], &fitted).unwrap();
+        let fixed = CalibrationOptions { fit_shapes: false, ..fitted };
         let fit = |model: &RobotModel| {
-            let scopes = TermScopes::everywhere();
-            calibrate_rows(model, &rows, &scopes, MeasurementUnit::NewtonMetre, 10.0, &fitted).unwrap();
+            let (scopes, search) = (TermScopes::everywhere(), ShapeOptions::default());
+            let unit = MeasurementUnit::NewtonMetre;
+            calibrate_shapes_rows(model, &rows, &scopes, unit, 10.0, &fixed, &search).unwrap();
         };
         fit(&variants[0]);
         let shared = processor_s();

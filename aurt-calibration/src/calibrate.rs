@@ -1,21 +1,19 @@
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
+use crate::consistent::{Prior, make_consistent};
+use crate::deviations::Sandwich;
+use crate::errors_in_positions::{Fitted, Looked, Shift, look};
+use crate::essential::{Full, eliminate};
+use crate::excitation::{at_rest, warnings};
+use crate::robust::{Loss, reweight};
+use crate::rows::{Accumulated, Observed, accumulate_ranged, check, ranges};
+use crate::separability::Dependence;
+use crate::system::{estimate_coefficients, noise_scale, ones, variance, weights};
+use crate::uncertainty::{calibrated_parameters, covariance, noise_bandwidth_factor};
 use crate::{
     CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, Deviations, EssentialReport,
     Estimate, Estimator, Fit, JointFactor, JointRange, LoadTorqueChoice, NamedRecording, PositionBias,
-    System, TermScopes, accumulate,
-    consistent::{Prior, make_consistent},
-    deviations::Sandwich,
-    errors_in_positions::{Fitted, Looked, Shift, look},
-    essential::{Full, eliminate},
-    estimate,
-    excitation::{at_rest, warnings},
-    physical,
-    robust::{Loss, reweight},
-    rows::{Accumulated, Observed, accumulate_ranged, check, ranges},
-    separability::Dependence,
-    system::{estimate_coefficients, noise_scale, ones, variance, weights},
-    uncertainty::{calibrated_parameters, covariance, noise_bandwidth_factor},
+    System, TermScopes, accumulate, estimate, physical,
 };
 
 /// Estimates the model's coefficients from recordings: OLS for σ_j (equation 14), then WLS with weights

@@ -54,7 +54,7 @@ pub use recursive::{
     own_residuals, threshold_for,
 };
 pub use robust::RobustReport;
-pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
+pub use row_cache::{FitRows, JudgedRow, RigidRows};
 pub use rows::{
     JointRange, NamedRecording, RowBlock, TermScopes, accumulate, for_each_predicted_block,
     for_each_row_block, for_each_tile, predict_tile,

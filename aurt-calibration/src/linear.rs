@@ -6,13 +6,9 @@
 //!
 //! Every function returns `None` where the matrix is not finite, or singular.
 
-use faer::{
-    Accum, MatMut, MatRef, Par, Side,
-    linalg::{
-        matmul::triangular::{BlockStructure, matmul},
-        solvers::{Llt, Solve},
-    },
-};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Accum, MatMut, MatRef, Par, Side};
 use nalgebra::{DMatrix, DVector};
 
 /// The Cholesky factor of a positive definite matrix.

@@ -3,13 +3,12 @@
 use aurt_recording::{LongPrepared, LongSegment, Stretch};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel, RobotState, RobotTile};
 
+use crate::calibrate::{FittedTo, Setting, finished};
+use crate::rows::{Accumulated, Folding, Measured, TILE_SAMPLES};
+use crate::validation::{beyond, forget_unread};
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice, RowBlock,
-    Validation,
-    calibrate::{FittedTo, Setting, finished},
-    estimate, noise_bandwidth_factor, predict_tile,
-    rows::{Accumulated, Folding, Measured, TILE_SAMPLES},
-    validation::{beyond, forget_unread},
+    Validation, estimate, noise_bandwidth_factor, predict_tile,
 };
 
 /// As [`calibrate`](crate::calibrate), on recordings longer than memory: memory does not depend on their length, and

@@ -6,12 +6,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    CalibrationError, Estimate, JointFactor, System,
-    deviations::{product, root_of_gram},
-    rows::{JointRows, Observed, Piece},
-    system::weights,
-};
+use crate::deviations::{product, root_of_gram};
+use crate::rows::{JointRows, Observed, Piece};
+use crate::system::weights;
+use crate::{CalibrationError, Estimate, JointFactor, System};
 
 /// Median of |e| over the deviation of a normal e.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196;

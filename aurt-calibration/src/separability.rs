@@ -3,7 +3,8 @@
 use aurt_traits::{LoadTorque, ModelError, Motion, RobotModel, RobotState, RobotTile};
 use nalgebra::DMatrix;
 
-use crate::{CalibrationError, System, linear::solve_upper};
+use crate::linear::solve_upper;
+use crate::{CalibrationError, System};
 
 /// A coefficient's share of a combination below this, in the lengths of their columns, is rounding.
 const ROUNDING: f64 = 1e-7;

@@ -1,16 +1,12 @@
 //! The command line: its definition, and options that every command has.
 
-use std::{
-    ffi::{OsStr, OsString},
-    path::PathBuf,
-};
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use crate::{
-    commands::{Command, GROUPS},
-    values::parse_numbers,
-};
+use crate::commands::{Command, GROUPS};
+use crate::values::parse_numbers;
 
 /// Model, calibrate and explain the dynamics of robot manipulators from recordings of the real machine.
 #[derive(Debug, Parser)]

@@ -15,11 +15,9 @@ use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;
 
-use crate::{
-    arguments::Arguments,
-    commands::Session,
-    rendering::terminal::{Report, Terminal},
-};
+use crate::arguments::Arguments;
+use crate::commands::Session;
+use crate::rendering::terminal::{Report, Terminal};
 
 /// Loads the plugins that the arguments name and does what they say, on the instruction set that the environment
 /// asks for.

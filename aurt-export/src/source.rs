@@ -4,7 +4,8 @@ use aurt_rbd::{Joint, LinkFrame, Parent, RbdError, SerialChain, inconsistencies}
 use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::Value as Json;
 
-use crate::{ExportError, naming::for_comment};
+use crate::ExportError;
+use crate::naming::for_comment;
 
 /// A calibrated model, as exports need it.
 #[derive(Debug, Clone, Copy)]

@@ -6,15 +6,14 @@ mod crates;
 mod models;
 mod units;
 
-use std::{
-    ffi::OsStr,
-    path::Path,
-    process::{Command, Output},
-    sync::LazyLock,
-};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
-use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
+use aurt_friction::arm_terms::joint_selection::JointSelection;
+use aurt_friction::arm_terms::torque_ripple::TorqueRipple;
 use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
 use aurt_rbd::{ChainDynamics, RobotDescription};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
@@ -236,7 +235,7 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
-        KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
+        KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), &*robot.name));
     for (chain, name) in
         [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")].into_iter().chain(known)
     {

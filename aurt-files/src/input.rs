@@ -1,10 +1,8 @@
 //! Opening and reading the files of users.
 
-use std::{
-    fs::{self, File},
-    io::{Error, ErrorKind, Read, Result},
-    path::Path,
-};
+use std::fs::{self, File};
+use std::io::{Error, ErrorKind, Read, Result};
+use std::path::Path;
 #[cfg(unix)]
 use std::{
     os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt},
@@ -157,10 +155,8 @@ fn is_of_kernel(metadata: &fs::Metadata) -> bool {
 /// Waits until a pipe that was opened without waiting has a first byte; later ones may take as long as they take.
 #[cfg(unix)]
 fn wait_for_writer(pipe: &File) -> Result<()> {
-    use rustix::{
-        event::{PollFd, PollFlags, Timespec, poll},
-        fs::{OFlags, fcntl_getfl, fcntl_setfl},
-    };
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
     let end = Instant::now() + PIPE_PATIENCE;
     loop {
         let left = end.saturating_duration_since(Instant::now());

@@ -1,11 +1,9 @@
 //! Files that a program has read, and therefore does not write over.
 
-use std::{
-    collections::BTreeMap,
-    fs::{self, Metadata},
-    path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
-};
+use std::collections::BTreeMap;
+use std::fs::{self, Metadata};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// What a file is, whatever it is called: device and number on Unix, the path without links elsewhere.
 #[cfg(unix)]

@@ -1,6 +1,7 @@
 //! Text from files of users, fit to be shown.
 
-use std::{borrow::Cow, fmt::Write};
+use std::borrow::Cow;
+use std::fmt::Write;
 
 /// Characters of a file that a message quotes at most.
 pub const MOST_QUOTED: usize = 80;

@@ -1,6 +1,7 @@
 //! An interruption: a process of its own, since nothing can be written after it.
 
-use std::{fs, thread, time::Duration};
+use std::time::Duration;
+use std::{fs, thread};
 
 use aurt_files::output::{StagedFolder, abandon, write_file, write_folder};
 

@@ -1,6 +1,8 @@
 //! The slots of equation (6) refuse models that do not declare what the slot asks for.
 
-use aurt_friction::{coulomb::constant::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial};
+use aurt_friction::coulomb::constant::Constant;
+use aurt_friction::hysteresis::sign::Sign;
+use aurt_friction::viscous::polynomial::Polynomial;
 use aurt_traits::{
     Columns, CoulombModel, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, JointStack,
     ModelError, Parameter, ViscousBasis,

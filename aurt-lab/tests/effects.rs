@@ -1,11 +1,8 @@
 //! Every effect, of the vocabulary and outside of it: what is drawn is valid, acts, and is refused where it cannot be.
 
 use aurt_lab::effects::{all_kinds, kind, read_effect};
-use aurt_simulation::{
-    Motion, Random, Robot, Rotors, Scenario,
-    effects::{Draw, Effect, EffectKind, Factor, Shapes},
-    robots, simulate,
-};
+use aurt_simulation::effects::{Draw, Effect, EffectKind, Factor, Shapes};
+use aurt_simulation::{Motion, Random, Robot, Rotors, Scenario, robots, simulate};
 use serde_json::Value;
 
 fn drawn(kind: &EffectKind, robot: &Robot, seed: u64) -> Box<dyn Effect> {

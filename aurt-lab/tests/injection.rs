@@ -3,11 +3,9 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 use std::sync::Arc;
 
+use aurt_lab::Strength;
 use aurt_lab::case::{Case, CaseRequest, CaseType, NullPlan, Plan, World};
-use aurt_lab::{
-    Strength,
-    injected::{InjectedRequest, InjectedWorld},
-};
+use aurt_lab::injected::{InjectedRequest, InjectedWorld};
 use aurt_recording::{PreprocessOptions, Recording};
 use aurt_simulation::inject::{
     Injection, Kind, Presence, RealExperiment, RealRecording, Split, Structure, injectable,

@@ -1,13 +1,11 @@
 //! The programs of the tests.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use std::{
-    env::consts::EXE_SUFFIX,
-    fs::read_dir,
-    path::{Path, PathBuf},
-    process::Command,
-    sync::LazyLock,
-};
+use std::env::consts::EXE_SUFFIX;
+use std::fs::read_dir;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::LazyLock;
 
 /// `aurt-lab`.
 pub fn aurt_lab() -> &'static Path {

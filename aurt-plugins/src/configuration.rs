@@ -3,10 +3,8 @@
 use std::ops::Range;
 
 use serde_json::{Map, Value};
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// Byte range in the text that a value was read from; empty for values that were not read from a text.
 pub type Span = Range<usize>;

@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use aurt_traits::{ModelError, Slot, abi};
 use thiserror::Error;
 
-use crate::{Node, Span, listing::LibraryListing, place, suggestion};
+use crate::listing::LibraryListing;
+use crate::{Node, Span, place, suggestion};
 
 /// Why a library could not be loaded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

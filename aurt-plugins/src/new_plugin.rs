@@ -1,10 +1,8 @@
 //! Writing a new plugin: a crate in Rust or a file in C that builds, tests itself, and has a working model to start from.
 
-use std::{
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    io,
-    path::{Path, PathBuf},
-};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::io;
+use std::path::{Path, PathBuf};
 
 use aurt_files::output::write_folder;
 use aurt_traits::abi;

@@ -6,11 +6,9 @@
 
 use std::cell::RefCell;
 
-use serde::{
-    Deserializer,
-    de::{self, DeserializeSeed, IntoDeserializer, MapAccess, SeqAccess, Visitor, value::Error},
-    forward_to_deserialize_any,
-};
+use serde::de::value::Error;
+use serde::de::{self, DeserializeSeed, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::{Deserializer, forward_to_deserialize_any};
 
 use crate::configuration::{Entry, Node, NodeKind, Span};
 

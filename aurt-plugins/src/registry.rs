@@ -1,18 +1,14 @@
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::Path,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use aurt_traits::{ModelEntry, Slot};
 
-use crate::{
-    Error, Span,
-    dynamic::{self, LibraryFile, LibraryModel},
-    error::{BuildError, LibraryProblem},
-    listing::{LibraryListing, ModelListing},
-    trust::Trust,
-};
+use crate::dynamic::{self, LibraryFile, LibraryModel};
+use crate::error::{BuildError, LibraryProblem};
+use crate::listing::{LibraryListing, ModelListing};
+use crate::trust::Trust;
+use crate::{Error, Span};
 
 /// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
 #[derive(Debug, Clone, Default)]

@@ -4,13 +4,12 @@
 //! loaded. Libraries that an experiment names are loaded if their bytes are trusted: an experiment may come from someone
 //! else.
 
-use std::{
-    collections::BTreeSet,
-    env, fs, io,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::{env, fs, io};
 
-use crate::{Error, dynamic::LibraryFile};
+use crate::Error;
+use crate::dynamic::LibraryFile;
 
 /// Names what is trusted beside the list: `all`, or hashes separated by spaces.
 const ENVIRONMENT: &str = "AURT_TRUST";

@@ -2,7 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;

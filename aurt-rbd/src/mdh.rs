@@ -1,7 +1,8 @@
 use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
-use aurt_files::{clipped, suggestion::likely};
+use aurt_files::clipped;
+use aurt_files::suggestion::likely;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};

@@ -1,7 +1,6 @@
 use aurt_traits::{Branch, Dispatch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 
-use crate::kernel;
-use crate::{INERTIAL_PARAMETERS, JointKind, SerialChain};
+use crate::{INERTIAL_PARAMETERS, JointKind, SerialChain, kernel};
 
 /// Names and units of a link's ten standard parameters, in their order.
 pub(crate) const NAMES: [(&str, &str); INERTIAL_PARAMETERS] = [

@@ -1,8 +1,7 @@
 use nalgebra::Vector3;
 
-use crate::ChainDynamics;
 use crate::dynamics::{LinkScratch, on_axis};
-use crate::{JointKind, Parent};
+use crate::{ChainDynamics, JointKind, Parent};
 
 impl ChainDynamics {
     /// Joint torques τ(q, q̇, q̈) in Nm, by the recursive Newton–Euler algorithm (Luh, Walker, Paul, 1980).

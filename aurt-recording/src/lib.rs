@@ -82,7 +82,8 @@ pub use self::parquet::PARQUET;
 #[cfg(feature = "mcap")]
 pub use bag::BAG;
 pub use branches::BranchMotion;
-pub use csv::{CSV, families::is_time_name};
+pub use csv::CSV;
+pub use csv::families::is_time_name;
 pub use error::RecordingError;
 pub use format::RecordingFormat;
 pub use formats::{FORMATS, is_recording_folder};

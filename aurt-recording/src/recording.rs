@@ -1,4 +1,5 @@
-use std::{ops::Range, path::PathBuf};
+use std::ops::Range;
+use std::path::PathBuf;
 
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;

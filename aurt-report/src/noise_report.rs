@@ -4,10 +4,8 @@
 use aurt::Asked;
 use aurt_diagnosis::{Answer, Verdict};
 
-use crate::{
-    figure::{NOISE_LIMIT, Shade},
-    page::Tone,
-};
+use crate::figure::{NOISE_LIMIT, Shade};
+use crate::page::Tone;
 
 /// A joint's error with the claimed effects, against its noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -103,10 +101,12 @@ impl NoiseReport {
 
 #[cfg(test)]
 mod tests {
-    use aurt_diagnosis::{Finding, JointResidual, vocabulary::Family};
+    use aurt_diagnosis::vocabulary::Family;
+    use aurt_diagnosis::{Finding, JointResidual};
 
     use super::*;
-    use crate::words::{self, tests::finding};
+    use crate::words::tests::finding;
+    use crate::words::{self};
 
     const FLOOR: f64 = 0.1;
     const ASKED: [Asked; 3] = [Asked::Change, Asked::Lack, Asked::Beyond];

@@ -1,6 +1,7 @@
 //! What a report says, before it is drawn.
 
-use crate::{figure::Figure, table::Table};
+use crate::figure::Figure;
+use crate::table::Table;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {

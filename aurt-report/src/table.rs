@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::{escape, rendering::table as terminal};
+use crate::escape;
+use crate::rendering::table as terminal;
 
 /// A table; columns whose title begins with `<` are set to the left, all others to the right.
 #[derive(Debug, Clone, PartialEq, Default)]

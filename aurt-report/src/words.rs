@@ -1,14 +1,15 @@
 //! What a verdict says, in the order in which a person asks: has something changed, what is missing, does it hold.
 
 use aurt::Asked;
+use aurt_diagnosis::vocabulary::Family;
 use aurt_diagnosis::{
     Answer, Finding, Indication, JointResidual, NotDecidable, Verdict, VisibleGear, effects,
-    vocabulary::Family,
 };
 use aurt_traits::RobotNames;
 
 use crate::noise_report::{JointNoise, NoiseReport, NoiseState};
-use crate::rendering::{number::significant, text::listed};
+use crate::rendering::number::significant;
+use crate::rendering::text::listed;
 
 /// Where a finding was seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -173,6 +173,17 @@ pub struct JointSeries<'a> {
 }
 
 impl<'a> JointSeries<'a> {
+    /// The series of one joint of a motion, with its load torque.
+    pub fn of(motion: MotionView<'a>, joint: usize, load_torque: &'a [f64]) -> Self {
+        Self {
+            time_s: motion.time_s(),
+            position_rad: motion.position_rad(joint),
+            velocity_rad_s: motion.velocity_rad_s(joint),
+            acceleration_rad_s2: motion.acceleration_rad_s2(joint),
+            load_torque,
+        }
+    }
+
     /// Number of samples.
     pub const fn samples(&self) -> usize {
         self.velocity_rad_s.len()

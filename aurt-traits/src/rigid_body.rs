@@ -1,4 +1,5 @@
-use std::{any::Any, fmt::Debug};
+use std::any::Any;
+use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,5 @@
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -323,13 +324,7 @@ impl RobotModel {
         self.evaluate_arm_terms(true, motion, (load_torque, stride), state, scratch, data)?;
         self.sum_load(load, samples, stride, data, load_torque)?;
         for (j, stack) in self.stacks.iter().enumerate() {
-            let series = JointSeries {
-                time_s: motion.time_s(),
-                position_rad: motion.position_rad(j),
-                velocity_rad_s: motion.velocity_rad_s(j),
-                acceleration_rad_s2: motion.acceleration_rad_s2(j),
-                load_torque: &load_torque[j * stride..j * stride + samples],
-            };
+            let series = JointSeries::of(motion, j, &load_torque[j * stride..j * stride + samples]);
             if !state.started {
                 state.stacks[j] = stack.initial_state(&series.slice(0..1));
             }

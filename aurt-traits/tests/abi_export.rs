@@ -4,12 +4,11 @@
 
 use std::ffi::{CStr, c_char, c_void};
 
+use aurt_traits::abi::{self, Declaration, Description, ErrorBuffer, ModelTable, Series};
+use aurt_traits::reexport::typetag;
 use aurt_traits::{
     Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, Scale,
-    ShapeParameter,
-    abi::{self, Declaration, Description, ErrorBuffer, ModelTable, Series},
-    reexport::typetag,
-    register_model,
+    ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

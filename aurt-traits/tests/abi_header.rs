@@ -2,13 +2,15 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::{fmt::Write, fs, mem::offset_of, path::Path, process::Command};
+use std::fmt::Write;
+use std::fs;
+use std::mem::offset_of;
+use std::path::Path;
+use std::process::Command;
 
-use aurt_traits::{
-    Invariant,
-    abi::{
-        self, ColumnDescription, Declaration, Description, ErrorBuffer, ModelTable, Series, ShapeDescription,
-    },
+use aurt_traits::Invariant;
+use aurt_traits::abi::{
+    self, ColumnDescription, Declaration, Description, ErrorBuffer, ModelTable, Series, ShapeDescription,
 };
 
 /// A number of the interface: as C calls it, and what Rust says it is.

@@ -2,11 +2,9 @@
 //!
 //! The arrays are those of a simulated UR10e here; from a real robot they come from its logger.
 
-use aurt::{
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, robots},
-};
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, robots};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();

@@ -1,10 +1,8 @@
 //! What has changed between two recordings? A simulated robot takes up a load; the diagnosis says which.
 
-use aurt::{
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, effects, robots},
-};
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, effects, robots};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();

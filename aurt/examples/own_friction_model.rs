@@ -1,11 +1,9 @@
 //! A friction model of one's own: declared once, it can be named in models, experiments, saved files and diagnoses.
 
-use aurt::{
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, robots},
-    traits::friction_model,
-};
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, robots};
+use aurt::traits::friction_model;
 
 friction_model! {
     /// Viscous friction that grows with the square of velocity, f_v = F_v q̇ |q̇|.

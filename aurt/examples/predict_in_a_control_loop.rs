@@ -3,12 +3,10 @@
 
 use std::time::Instant;
 
-use aurt::{
-    friction::hysteresis::dahl::Dahl,
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, robots},
-};
+use aurt::friction::hysteresis::dahl::Dahl;
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, robots};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();

@@ -9,11 +9,9 @@ use aurt_plugins::model::model_file::{read_json, robot_model_from_json, robot_mo
 use aurt_traits::{LoadTorque, RobotModel};
 use serde_json::{Value, json};
 
-use crate::{
-    data::{Instrument, Preprocessing},
-    error::Error,
-    origins::Origins,
-};
+use crate::data::{Instrument, Preprocessing};
+use crate::error::Error;
+use crate::origins::Origins;
 
 /// The version of the file that this program reads and writes.
 const SCHEMA: u64 = 1;

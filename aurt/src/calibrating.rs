@@ -7,16 +7,14 @@ use aurt_recording::{PreprocessOptions, Recording};
 use aurt_traits::RobotModel;
 use std::path::Path;
 
-use crate::{
-    calibrated_file::CalibratedModel,
-    data::{Instrument, Loaded, Purpose},
-    error::Error,
-    fitting::{Assigned, Detail, Job, Outcome},
-    predictions::at_stamps,
-    predictor::Predictor,
-    progress::Progress,
-    role::Role,
-};
+use crate::calibrated_file::CalibratedModel;
+use crate::data::{Instrument, Loaded, Purpose};
+use crate::error::Error;
+use crate::fitting::{Assigned, Detail, Job, Outcome};
+use crate::predictions::at_stamps;
+use crate::predictor::Predictor;
+use crate::progress::Progress;
+use crate::role::Role;
 
 /// How recordings are preprocessed and coefficients found.
 #[derive(Debug, Clone, Default)]

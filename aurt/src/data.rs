@@ -1,9 +1,7 @@
 //! From files to what calibration and prediction take: reading, units, preprocessing.
 
-use std::{
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use aurt_calibration::NamedRecording;
 use aurt_diagnosis::without_unusable_rows;

@@ -15,19 +15,17 @@ use aurt_recording::{
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::Value;
 
-use crate::{
-    calibrated_file::CalibratedModel,
-    calibrating::Settings,
-    data::{Instrument, Loaded, Pipeline, Purpose, Source},
-    duplicates::SampleRegister,
-    effects::{Effect, Named},
-    error::Error,
-    fitting::{Assigned, Detail, Job},
-    origins::Origins,
-    progress::Progress,
-    questioned::{Asked, Part},
-    role,
-};
+use crate::calibrated_file::CalibratedModel;
+use crate::calibrating::Settings;
+use crate::data::{Instrument, Loaded, Pipeline, Purpose, Source};
+use crate::duplicates::SampleRegister;
+use crate::effects::{Effect, Named};
+use crate::error::Error;
+use crate::fitting::{Assigned, Detail, Job};
+use crate::origins::Origins;
+use crate::progress::Progress;
+use crate::questioned::{Asked, Part};
+use crate::role;
 
 /// Joints of the largest arm that is diagnosed. Effects are weighed jointly over all joints, which takes memory with the
 /// square of their number and time with its cube.

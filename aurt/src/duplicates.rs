@@ -1,18 +1,14 @@
 //! The same samples in two recordings, as they are or thinned, rounded or resampled: each counts once, and in one role.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    ops::Range,
-};
+use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
 
 use aurt_diagnosis::Role;
 use aurt_recording::Recording;
 
-use crate::{
-    data::{Loaded, Source},
-    error::Error,
-    likeness::{Pieces, Series},
-};
+use crate::data::{Loaded, Source};
+use crate::error::Error;
+use crate::likeness::{Pieces, Series};
 
 pub use crate::likeness::Likeness;
 

@@ -1,6 +1,7 @@
 //! The effects of a verdict as types.
 
-use std::{collections::BTreeMap, fmt};
+use std::collections::BTreeMap;
+use std::fmt;
 
 use aurt_calibration::with_deviation;
 use aurt_diagnosis::{Finding, ParameterValue};

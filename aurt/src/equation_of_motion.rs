@@ -2,7 +2,8 @@
 
 use aurt_traits::{ModelError, Motion, RigidBodyRegressor};
 
-use crate::{calibrated_file::CalibratedModel, torque::TorqueSeries};
+use crate::calibrated_file::CalibratedModel;
+use crate::torque::TorqueSeries;
 
 /// Positions that are evaluated together.
 const AT_ONCE: usize = 256;

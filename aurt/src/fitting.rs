@@ -8,16 +8,14 @@ use aurt_recording::RobotJoints;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
-use crate::{
-    calibrated_file::CalibratedModel,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
-    duplicates::SampleRegister,
-    error::Error,
-    origins::Origins,
-    predictions::{PredictionNames, to_csv},
-    progress::Progress,
-    role::{RecordingResult, Role},
-};
+use crate::calibrated_file::CalibratedModel;
+use crate::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
+use crate::duplicates::SampleRegister;
+use crate::error::Error;
+use crate::origins::Origins;
+use crate::predictions::{PredictionNames, to_csv};
+use crate::progress::Progress;
+use crate::role::{RecordingResult, Role};
 
 /// What is to be done.
 #[derive(Debug, Clone)]

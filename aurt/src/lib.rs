@@ -150,20 +150,18 @@ pub use aurt_recording as recording;
 pub use aurt_simulation as simulation;
 pub use aurt_traits as traits;
 
+pub use crate::calibrated_file::{CalibratedModel, file_contents};
+pub use crate::calibrating::{Calibrator, Settings};
+pub use crate::diagnoser::{Diagnoser, Diagnosis, Explanation, is_found};
+pub use crate::effects::{Effect, EffectKind};
+pub use crate::equation_of_motion::EquationOfMotion;
+pub use crate::error::Error;
+pub use crate::fitting::Outcome;
+pub use crate::predictor::Predictor;
+pub use crate::progress::Progress;
+pub use crate::questioned::{Asked, Part};
+pub use crate::role::{RecordingResult, Role};
 #[cfg(feature = "simulation")]
 pub use crate::simulating::{Drive, simulate};
-pub use crate::{
-    calibrated_file::{CalibratedModel, file_contents},
-    calibrating::{Calibrator, Settings},
-    diagnoser::{Diagnoser, Diagnosis, Explanation, is_found},
-    effects::{Effect, EffectKind},
-    equation_of_motion::EquationOfMotion,
-    error::Error,
-    fitting::Outcome,
-    predictor::Predictor,
-    progress::Progress,
-    questioned::{Asked, Part},
-    role::{RecordingResult, Role},
-    torque::TorqueSeries,
-};
+pub use crate::torque::TorqueSeries;
 pub use aurt_plugins::model::{Friction, ModelBuilder, Robot};

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{data::Source, error::Error, likeness::Likeness, role::Role};
+use crate::data::Source;
+use crate::error::Error;
+use crate::likeness::Likeness;
+use crate::role::Role;
 
 /// The files of a calibration, with hashes by which they are known again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,10 +1,8 @@
 //! `predicted_<recording>.csv`: a prediction at the time stamps of the file that it was made for.
 
-use std::{
-    collections::BTreeSet,
-    fmt::Write,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use aurt_calibration::Prediction;
 use aurt_traits::MeasurementUnit;

@@ -6,7 +6,8 @@ use aurt_traits::{
     ArmSeries, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView,
     RigidBodyRegressor, RobotModel,
 };
-use std::{any::Any, sync::Arc};
+use std::any::Any;
+use std::sync::Arc;
 
 use crate::error::Error;
 
@@ -179,13 +180,7 @@ impl Predictor {
         }
         self.add_terms(true, motion)?;
         for (j, (part, stack)) in self.joints.iter_mut().zip(self.model.stacks()).enumerate() {
-            let series = JointSeries {
-                time_s: motion.time_s(),
-                position_rad: &q_rad[j..=j],
-                velocity_rad_s: &qd_rad_s[j..=j],
-                acceleration_rad_s2: &qdd_rad_s2[j..=j],
-                load_torque: &self.load_torque[j..=j],
-            };
+            let series = JointSeries::of(motion, j, &self.load_torque[j..=j]);
             if !self.started {
                 part.state = stack.initial_state(&series);
             }

@@ -5,10 +5,8 @@ use std::sync::Arc;
 use aurt_diagnosis::{Question, QuestionedRecording, Role};
 use aurt_recording::{Recording, RobotJoints};
 
-use crate::{
-    data::{Loaded, Pipeline, Purpose, Source},
-    error::Error,
-};
+use crate::data::{Loaded, Pipeline, Purpose, Source};
+use crate::error::Error;
 
 /// What a diagnosis is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

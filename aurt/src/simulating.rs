@@ -1,17 +1,13 @@
 //! Simulated robots, whose recordings are like those of real ones, and calibrated models that move.
 
 use aurt_recording::Recording;
-use aurt_simulation::{
-    Scenario,
-    model::{ModelDrive, MovingModel},
-};
+use aurt_simulation::Scenario;
+use aurt_simulation::model::{ModelDrive, MovingModel};
 
-use crate::{
-    calibrated_file::CalibratedModel,
-    data::{Loaded, Purpose},
-    error::Error,
-    progress::Progress,
-};
+use crate::calibrated_file::CalibratedModel;
+use crate::data::{Loaded, Purpose};
+use crate::error::Error;
+use crate::progress::Progress;
 
 /// What the logger of a simulated robot records.
 ///

@@ -6,7 +6,8 @@ use aurt_traits::{
     MotionView, RigidBodyRegressor, RobotModel,
 };
 
-use crate::{calibrated_file::CalibratedModel, error::Error};
+use crate::calibrated_file::CalibratedModel;
+use crate::error::Error;
 
 /// Samples that are evaluated together: their columns stay in the fastest cache.
 const AT_ONCE: usize = 256;
@@ -176,13 +177,7 @@ impl<'m> TorqueSeries<'m> {
         stride: usize,
     ) -> Result<(), ModelError> {
         let (samples, stack) = (motion.samples(), &self.model.stacks()[joint]);
-        let series = JointSeries {
-            time_s: motion.time_s(),
-            position_rad: motion.position_rad(joint),
-            velocity_rad_s: motion.velocity_rad_s(joint),
-            acceleration_rad_s2: motion.acceleration_rad_s2(joint),
-            load_torque: &self.load[joint * stride..joint * stride + samples],
-        };
+        let series = JointSeries::of(motion, joint, &self.load[joint * stride..joint * stride + samples]);
         if !self.state.started {
             self.state.stacks[joint] = stack.initial_state(&series.slice(0..1));
         }

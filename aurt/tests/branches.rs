@@ -1,13 +1,11 @@
 //! A torso with two arms: the model is of one, and the other moves; or of both.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt::{
-    Drive,
-    data::Loaded,
-    friction::arm_terms::payload::Payload,
-    prelude::*,
-    traits::{ArmSeries, ArmTerm, Columns, Motion},
-};
+use aurt::Drive;
+use aurt::data::Loaded;
+use aurt::friction::arm_terms::payload::Payload;
+use aurt::prelude::*;
+use aurt::traits::{ArmSeries, ArmTerm, Columns, Motion};
 use aurt_recording::{BranchMotion, ReadOptions, ReadReport, RecordedJoints, RobotJoints, read_recording};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];

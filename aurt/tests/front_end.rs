@@ -3,16 +3,13 @@
 
 use std::sync::Arc;
 
-use aurt::{
-    Drive, TorqueSeries,
-    friction::hysteresis::dahl::Dahl,
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, effects, robots},
-    traits::{
-        Motion as Series, Parameter, RegressorTile, RigidBodyRegressor, RobotState, RobotTile, typetag,
-    },
+use aurt::friction::hysteresis::dahl::Dahl;
+use aurt::prelude::*;
+use aurt::simulation::{Motion, Scenario, effects, robots};
+use aurt::traits::{
+    Motion as Series, Parameter, RegressorTile, RigidBodyRegressor, RobotState, RobotTile, typetag,
 };
+use aurt::{Drive, TorqueSeries, simulate};
 use serde::{Deserialize, Serialize};
 
 const TWO_LINK: [f64; 3] = [0.0, -9.81, 0.0];

@@ -1,19 +1,15 @@
 //! The predictor for single samples gives what the whole series gives, and takes no memory from the heap.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    cell::Cell,
-};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 
-use aurt::{
-    friction::hysteresis::dahl::Dahl,
-    plugins::Registry,
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, robots},
-    traits::Motion as Series,
-};
+use aurt::friction::hysteresis::dahl::Dahl;
+use aurt::plugins::Registry;
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, robots};
+use aurt::traits::Motion as Series;
 use serde_json::{Value, json};
 
 /// The system's allocator, counting per thread what is taken.

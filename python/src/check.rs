@@ -1,30 +1,36 @@
 //! What recordings are good for, and usual mistakes of a setup.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use aurt_experiment::Experiment;
 use aurt_experiment::doctor::checkup::{Checkup as Checked, Given, Known, Question, check as checked};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
-use aurt_report::{Page, rendering::style::Style};
+use aurt_report::Page;
+use aurt_report::rendering::style::Style;
 use pyo3::prelude::*;
 use serde_json::Value;
 
-use crate::{
-    error::refused,
-    recording::recordings,
-    report::Report,
-    robot::Structure,
-    rows::{python_of, rows},
-    settings::listener,
-    work,
-};
+use crate::error::refused;
+use crate::recording::recordings;
+use crate::report::Report;
+use crate::robot::Structure;
+use crate::rows::{python_of, rows};
+use crate::settings::listener;
+use crate::work;
 
 /// What a check came to: findings to be heeded before anyone calibrates on the recordings.
 #[pyclass(frozen, module = "aurt")]
 pub struct Checkup {
+    /// Whether something should be heeded.
+    #[pyo3(get)]
     found: bool,
+    /// What should be heeded, in sentences.
+    #[pyo3(get)]
     findings: Vec<String>,
+    /// The f_dyn_hz that suits such motions, Hz.
+    #[pyo3(get)]
     suitable_f_dyn_hz: Option<f64>,
     document: Value,
     text: String,
@@ -104,29 +110,11 @@ pub fn check_experiment(
 
 #[pymethods]
 impl Checkup {
-    /// Whether something should be heeded.
-    #[getter]
-    fn found(&self) -> bool {
-        self.found
-    }
-
-    /// What should be heeded, in sentences.
-    #[getter]
-    fn findings(&self) -> Vec<String> {
-        self.findings.clone()
-    }
-
     /// Usual mistakes that explain the data, as rows: sentence, change (what undoes it), error (that is left then); without a
     /// robot or a measurement none are looked for.
     #[getter]
     fn mistakes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         rows(py, self.document["setup"]["mistakes"].as_array().map(Vec::as_slice).unwrap_or_default())
-    }
-
-    /// The f_dyn_hz that suits such motions, Hz.
-    #[getter]
-    fn suitable_f_dyn_hz(&self) -> Option<f64> {
-        self.suitable_f_dyn_hz
     }
 
     /// All of it, as `aurt check --json` prints it.

@@ -1,6 +1,7 @@
 //! The `aurt` command.
 
-use std::{ffi::OsString, panic::catch_unwind};
+use std::ffi::OsString;
+use std::panic::catch_unwind;
 
 use pyo3::prelude::*;
 

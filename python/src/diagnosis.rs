@@ -2,26 +2,27 @@
 
 use std::path::PathBuf;
 
-use aurt::{CalibratedModel, Diagnoser, Explanation, Settings, traits::RobotModel};
+use aurt::traits::RobotModel;
+use aurt::{CalibratedModel, Diagnoser, Explanation, Settings};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
-use aurt_report::{rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
+use aurt_report::rendering::style::Style;
+use aurt_report::reports::diagnosis::Diagnosed;
+use aurt_report::results::verdict::Shown;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-use crate::{
-    error::refused,
-    model::Model,
-    pickled::broken,
-    recording::recordings,
-    report::Report,
-    robot::Structure,
-    rows::{python_of, rows},
-    settings::{listener, with_settings},
-    work,
-};
+use crate::error::refused;
+use crate::model::Model;
+use crate::pickled::broken;
+use crate::recording::recordings;
+use crate::report::Report;
+use crate::robot::Structure;
+use crate::rows::{python_of, rows};
+use crate::settings::{listener, with_settings};
+use crate::work;
 
 /// Answer and texts, the improved model with its lines and notes, and the report's page and title.
 type PickledVerdict = ((bool, String, String), Vec<String>, Vec<String>, Model, String, String);
@@ -29,10 +30,16 @@ type PickledVerdict = ((bool, String, String), Vec<String>, Vec<String>, Model, 
 /// What a diagnosis found: where model and recordings differ, and what physics is missing.
 #[pyclass(frozen, module = "aurt")]
 pub struct Verdict {
+    /// Whether something has changed or is missing.
+    #[pyo3(get)]
     found: bool,
     document: Value,
     text: String,
+    /// What that model has and the diagnosed one has not.
+    #[pyo3(get)]
     added: Vec<String>,
+    /// What a person should know about that model.
+    #[pyo3(get)]
     notes: Vec<String>,
     model: CalibratedModel,
     report: Report,
@@ -162,12 +169,6 @@ impl Verdict {
         self.document["structure"].as_str()
     }
 
-    /// Whether something has changed or is missing.
-    #[getter]
-    fn found(&self) -> bool {
-        self.found
-    }
-
     /// The effects as rows, strongest first.
     #[getter]
     fn effects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -196,18 +197,6 @@ impl Verdict {
     #[getter]
     fn model(&self) -> Model {
         Model::alone(self.model.clone())
-    }
-
-    /// What that model has and the diagnosed one has not.
-    #[getter]
-    fn added(&self) -> Vec<String> {
-        self.added.clone()
-    }
-
-    /// What a person should know about that model.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
     }
 
     /// All of it, as `verdict.json` has it.

@@ -1,7 +1,8 @@
 //! Errors of the library as Python exceptions.
 
 use aurt_experiment::workbench::failure::Failure;
-use pyo3::{PyErr, create_exception, exceptions::PyValueError};
+use pyo3::exceptions::PyValueError;
+use pyo3::{PyErr, create_exception};
 
 create_exception!(
     _aurt,

@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use aurt::CalibratedModel;
-use aurt_experiment::workbench::{
-    exporting::{self, Format, Kind, ModelFile, Replaced, Target},
-    failure::Failure,
-    output::OutputFolder,
-};
+use aurt_experiment::workbench::exporting::{self, Format, Kind, ModelFile, Replaced, Target};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFolder;
 use pyo3::prelude::*;
 
-use crate::{error::refused, settings::choice};
+use crate::error::refused;
+use crate::settings::choice;
 
 /// What an export wrote.
 #[pyclass(frozen, get_all, module = "aurt")]

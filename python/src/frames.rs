@@ -2,15 +2,14 @@
 //!
 //! What a column is, is told by its name, by the rules for files: a frame is written as a table and read as one.
 
-use std::{fmt::Write, fs};
+use std::fmt::Write;
+use std::fs;
 
 use aurt_recording::{ColumnRef, ReadOptions, Recording, TimeUnit, is_time_name, read_recording};
 use pyo3::prelude::*;
 
-use crate::{
-    arrays::vector,
-    error::{raised, refused},
-};
+use crate::arrays::vector;
+use crate::error::{raised, refused};
 
 /// Whether something is a data frame: it has columns.
 pub fn is_frame(given: &Bound<'_, PyAny>) -> PyResult<bool> {

@@ -9,12 +9,10 @@ use aurt_plugins::Registry;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-use crate::{
-    error::refused,
-    rows::{python_of, rows},
-    settings::listener,
-    work,
-};
+use crate::error::refused;
+use crate::rows::{python_of, rows};
+use crate::settings::listener;
+use crate::work;
 
 /// Gains of the drives as recordings show them.
 #[pyclass(frozen, module = "aurt", name = "Gains")]

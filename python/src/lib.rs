@@ -45,10 +45,8 @@ mod work;
 /// The compiled part of the package `aurt`.
 #[pyo3::pymodule]
 mod _aurt {
-    use pyo3::{
-        Bound, PyResult,
-        types::{PyAnyMethods, PyModule},
-    };
+    use pyo3::types::{PyAnyMethods, PyModule};
+    use pyo3::{Bound, PyResult};
 
     #[pymodule_export]
     use crate::{

@@ -1,31 +1,30 @@
 //! Calibration, and the models that it gives.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use aurt::{
-    CalibratedModel, Calibrator, EquationOfMotion, Outcome, Settings, TorqueSeries,
-    traits::{ArmTerm, Invariant, RobotModel},
-};
+use aurt::traits::{ArmTerm, Invariant, RobotModel};
+use aurt::{CalibratedModel, Calibrator, EquationOfMotion, Outcome, Settings, TorqueSeries};
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{experiments::fit_experiment, exporting::Replaced};
+use aurt_experiment::workbench::experiments::fit_experiment;
+use aurt_experiment::workbench::exporting::Replaced;
 use aurt_plugins::Registry;
 use aurt_report::reports::calibration;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::{prelude::*, types::PyBytes};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use serde_json::json;
 
-use crate::{
-    arrays::{Matrix, States, all_finite, samples_by_joint, shaped},
-    error::{raised, refused},
-    export::{Exported, Order},
-    predictor::Predictor,
-    recording::{Recording, recordings},
-    report::Report,
-    robot::{Structure, torques},
-    rows::rows,
-    settings::{listener, with_settings},
-    work,
-};
+use crate::arrays::{Matrix, States, all_finite, samples_by_joint, shaped};
+use crate::error::{raised, refused};
+use crate::export::{Exported, Order};
+use crate::predictor::Predictor;
+use crate::recording::{Recording, recordings};
+use crate::report::Report;
+use crate::robot::{Structure, torques};
+use crate::rows::rows;
+use crate::settings::{listener, with_settings};
+use crate::work;
 
 /// Samples that are evaluated together.
 const AT_ONCE: usize = 256;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use aurt::traits::{MeasurementUnit, RigidBodyRegressor};
 use aurt_rbd::robots::DescribedRobot;
 use aurt_recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
-use pyo3::{exceptions::PyValueError, prelude::*};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 /// The exception of a state that is none.

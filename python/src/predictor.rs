@@ -3,10 +3,8 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::{
-    arrays::vector,
-    error::{raised, refused},
-};
+use crate::arrays::vector;
+use crate::error::{raised, refused};
 
 /// Torques of a calibrated model, sample by sample, with the memory of its friction.
 #[pyclass(module = "aurt")]

@@ -1,20 +1,21 @@
 //! `Recording`: what a robot's joints did and what was measured meanwhile.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use aurt::traits::MeasurementUnit;
 use aurt_recording::{
     AngleUnit, ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, RecordedAs, TimeUnit, read_recording,
 };
 use numpy::{PyArray1, PyArray2};
-use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use crate::{
-    arrays::{Matrix, Stamps, samples_by_joint, times, vector},
-    error::{raised, refused},
-    frames, pickled,
-    settings::choice,
-};
+use crate::arrays::{Matrix, Stamps, samples_by_joint, times, vector};
+use crate::error::{raised, refused};
+use crate::settings::choice;
+use crate::{frames, pickled};
 
 /// Stamps, positions, velocities, measurements, and the rest.
 type PickledRecording<'py> = (

@@ -12,7 +12,11 @@ use crate::error::raised;
 #[pyclass(frozen, module = "aurt")]
 #[derive(Clone)]
 pub struct Report {
+    /// The page.
+    #[pyo3(get)]
     html: String,
+    /// What it is about.
+    #[pyo3(get)]
     title: String,
 }
 
@@ -42,18 +46,6 @@ impl Report {
 
 #[pymethods]
 impl Report {
-    /// The page.
-    #[getter]
-    fn html(&self) -> &str {
-        &self.html
-    }
-
-    /// What it is about.
-    #[getter]
-    fn title(&self) -> &str {
-        &self.title
-    }
-
     /// Writes the page into a file, which appears whole or not at all.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         let file = OutputFile::new("path", &path, &[]).map_err(raised)?;

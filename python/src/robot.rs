@@ -2,24 +2,22 @@
 
 use std::sync::Arc;
 
-use aurt::{
-    Friction,
-    traits::{RegressorTile, RobotModel},
-};
+use aurt::Friction;
+use aurt::traits::{RegressorTile, RobotModel};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::robots::Part;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
-use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
-use crate::{
-    arrays::{States, all_finite, vector},
-    error::{raised, refused},
-    friction, pickled,
-    rows::{json_of, rows},
-};
+use crate::arrays::{States, all_finite, vector};
+use crate::error::{raised, refused};
+use crate::rows::{json_of, rows};
+use crate::{friction, pickled};
 
 /// Earth's gravity in a base frame whose z axis points up, m/s².
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
@@ -30,6 +28,8 @@ const AT_ONCE: usize = 256;
 #[pyclass(frozen, module = "aurt")]
 pub struct Robot {
     pub inner: aurt::Robot,
+    /// The robot's name.
+    #[pyo3(get)]
     name: String,
 }
 
@@ -106,12 +106,6 @@ impl Robot {
     fn _restored(name: String, state: &str) -> PyResult<Self> {
         let state = serde_json::from_str(state).map_err(pickled::broken("robot"))?;
         Ok(Self { inner: pickled::robot(state)?, name })
-    }
-
-    /// The robot's name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
     }
 
     /// Number of joints N.

@@ -1,6 +1,7 @@
 //! Between JSON and Python: rows as data frames, dicts as tables.
 
-use pyo3::{exceptions::PyTypeError, prelude::*};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
 use serde_json::Value;
 
 /// A JSON document as Python's dicts, lists and numbers.

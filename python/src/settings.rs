@@ -1,15 +1,15 @@
 //! Keyword arguments of calibration and diagnosis.
 
-use aurt::{
-    Settings,
-    data::Instrument,
-    prelude::{Estimator, LoadTorqueChoice},
-};
+use aurt::Settings;
+use aurt::data::Instrument;
+use aurt::prelude::{Estimator, LoadTorqueChoice};
 use aurt_calibration::{CalibrationOptions, Rest};
 use aurt_recording::PreprocessOptions;
-use pyo3::{exceptions::PyTypeError, prelude::*};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
 
-use crate::{arrays::vector, error::refused};
+use crate::arrays::vector;
+use crate::error::refused;
 
 /// Settings as a user gives them.
 pub struct Given<'a, 'py> {

@@ -3,21 +3,18 @@
 use aurt::simulation;
 use aurt_experiment::workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2};
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Value, json};
-use simulation::{
-    Motion, ScenarioFile,
-    trajectory::{ExcitationOptions, MultiSineOptions},
-};
+use simulation::trajectory::{ExcitationOptions, MultiSineOptions};
+use simulation::{Motion, ScenarioFile};
 
-use crate::{
-    arrays::shaped,
-    error::{raised, refused},
-    recording::Recording,
-    rows::json_of,
-    settings::listener,
-    work,
-};
+use crate::arrays::shaped;
+use crate::error::{raised, refused};
+use crate::recording::Recording;
+use crate::rows::json_of;
+use crate::settings::listener;
+use crate::work;
 
 /// Names of the robots that can be simulated.
 #[pyfunction]

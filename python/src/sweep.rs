@@ -5,18 +5,17 @@ use std::path::PathBuf;
 use aurt::Progress;
 use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
 use aurt_experiment::workbench::failure::Failure;
-use aurt_experiment::workbench::{results::sweep_table, sweeping::ExperimentLoader};
+use aurt_experiment::workbench::results::sweep_table;
+use aurt_experiment::workbench::sweeping::ExperimentLoader;
 use aurt_plugins::Registry;
 use aurt_report::rendering::style::Style;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-use crate::{
-    error::refused,
-    rows::{python_of, rows as table_of},
-    settings::listener,
-    work,
-};
+use crate::error::refused;
+use crate::rows::{python_of, rows as table_of};
+use crate::settings::listener;
+use crate::work;
 
 /// The points of a sweep, best first.
 #[pyclass(frozen, module = "aurt", name = "Sweep")]

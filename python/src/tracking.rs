@@ -4,26 +4,23 @@ use std::path::PathBuf;
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    failure::Failure,
-    reports::track as words,
-    tracking::{self, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of},
-};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::reports::track as words;
+use aurt_experiment::workbench::tracking::{self, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of};
 use aurt_plugins::Registry;
 use aurt_recording::RecordedAs;
 use aurt_report::Page;
-use pyo3::{exceptions::PyTypeError, prelude::*};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-use crate::{
-    error::{raised, refused},
-    model::Model,
-    recording::Recording,
-    report::Report,
-    rows::{python_of, rows},
-    settings::listener,
-    work,
-};
+use crate::error::{raised, refused};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::report::Report;
+use crate::rows::{python_of, rows};
+use crate::settings::listener;
+use crate::work;
 
 /// How a machine has changed since its calibration: friction, gains and load, with alarms.
 #[pyclass(frozen, module = "aurt")]

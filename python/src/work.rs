@@ -1,16 +1,13 @@
 //! Long work beside the interpreter: without its lock, with progress, and stopped by Ctrl-C.
 
-use std::{
-    panic::resume_unwind,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-        mpsc::{RecvTimeoutError, Sender, channel},
-    },
-    time::Duration,
-};
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::Duration;
 
-use aurt::{Progress, progress::Observer};
+use aurt::Progress;
+use aurt::progress::Observer;
 use aurt_experiment::workbench::failure::Failure;
 use pyo3::prelude::*;
 

@@ -5,17 +5,13 @@
 
 #![expect(clippy::expect_used, reason = "what has no folder to work in can only give up")]
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::OnceLock,
-};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-use aurt::{
-    prelude::*,
-    simulate,
-    simulation::{Motion, Scenario, ScenarioFile, robots},
-};
+use aurt::prelude::*;
+use aurt::simulate;
+use aurt::simulation::{Motion, Scenario, ScenarioFile, robots};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::experiments::fit_experiment;
 use aurt_lab::case::Plan;

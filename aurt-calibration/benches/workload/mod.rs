@@ -1,7 +1,9 @@
 //! What benchmarks work on: a UR10e's geometry, motions of many sines, and clocks.
 #![allow(dead_code, clippy::allow_attributes, reason = "every benchmark uses a part")]
 
-use std::{io::Write, path::Path, time::Instant};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
 
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Registry, SlotModel};

@@ -7,17 +7,15 @@ use aurt_calibration::NamedRecording;
 use aurt_friction::coulomb;
 use aurt_plugins::Registry;
 use aurt_plugins::model::{Friction, RigidBodyDynamics};
-use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
+use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable};
 use aurt_recording::{PreprocessOptions, Recording, preprocess};
+use aurt_simulation::robots::ur10e;
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::json;
 
 pub const RATE_HZ: f64 = 250.0;
 /// Frequency of the dynamics that filters follow.
 pub const F_DYN_HZ: f64 = 5.0;
-const MDH: &str =
-    "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
-const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 const COULOMB_NM: [f64; 6] = [12.0, 14.0, 8.5, 3.6, 3.4, 3.0];
 const VISCOUS_NM_S: [f64; 6] = [13.5, 13.0, 8.5, 3.2, 2.8, 2.6];
 /// Deviation of the measured torques, Nm.
@@ -79,23 +77,6 @@ pub struct KnownRobot {
     stribeck: Vec<Stribeck>,
 }
 
-fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
-    LinkBody { mass_kg, com_m, inertia_at_com_kg_m2 }
-}
-
-/// The maker's bodies, as in `aurt_simulation::robots::ur10e`.
-pub fn links() -> [LinkBody; 6] {
-    let wrist = [0.003, 0.0, 0.0, 0.0026, 0.0002, 0.0022];
-    [
-        body(7.369, [0.021, -0.027, 0.0], [0.0341, 0.0043, 0.0, 0.0216, -0.0001, 0.0353]),
-        body(13.051, [-0.2327, 0.0, 0.158], [0.0281, 0.0001, -0.0156, 0.7707, 0.0, 0.7694]),
-        body(3.989, [-0.33155, 0.0, 0.068], [0.0101, 0.0001, 0.0092, 0.3093, 0.0, 0.3065]),
-        body(2.1, [0.0, -0.018, 0.007], wrist),
-        body(1.98, [0.0, 0.018, -0.007], wrist),
-        body(0.615, [0.0, 0.0, -0.026], [0.0004, 0.0, 0.0, 0.0004, 0.0, 0.0003]),
-    ]
-}
-
 impl KnownRobot {
     /// The robot; `load` adds a body to its last link, as the arm term `payload` of the model.
     pub fn new(load: Option<&LinkBody>) -> Self {
@@ -104,9 +85,10 @@ impl KnownRobot {
 
     /// The same with dry friction that is higher near rest on some joints; the model begins with another shape.
     pub fn with_stribeck(load: Option<&LinkBody>, stribeck: Vec<Stribeck>) -> Self {
-        let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
-        let mut standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
-        let rigid = RigidBodyDynamics::from_mdh(&table, GRAVITY_M_S2, 0).unwrap();
+        let robot = ur10e();
+        let mut standard = robot.standard_parameters();
+        let table = MdhTable { rows: robot.mdh.clone(), reading: MdhRows::Next };
+        let rigid = RigidBodyDynamics::from_mdh(&table, robot.gravity_m_s2, 0).unwrap();
         let mut truth = rigid.base.values(&standard);
         let stacks = (0..6)
             .map(|j| {
@@ -129,8 +111,7 @@ impl KnownRobot {
             let last = standard.len() - 10;
             standard[last..].iter_mut().zip(load.standard_parameters()).for_each(|(s, l)| *s += l);
         }
-        let chain = SerialChain::from_mdh(&table, GRAVITY_M_S2).unwrap();
-        let dynamics = ChainDynamics::new(chain, &standard).unwrap();
+        let dynamics = ChainDynamics::new(robot.chain().unwrap(), &standard).unwrap();
         Self { model, truth, dynamics, stribeck }
     }
 

@@ -3,17 +3,13 @@
 use aurt_traits::{BaseParameters, RobotModel};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
-use super::{
-    inside::inside,
-    prior::{ball, rotor_columns, standard},
-    program::{BodyMap, Positive, Program},
-};
-use crate::{
-    CalibrationError, CalibrationOptions, JointRange, System,
-    linear::solve_upper,
-    physical::{Standard, braking_rows, carried, standard_of},
-    system::Triangle,
-};
+use super::inside::inside;
+use super::prior::{ball, rotor_columns, standard};
+use super::program::{BodyMap, Positive, Program};
+use crate::linear::solve_upper;
+use crate::physical::{Standard, braking_rows, carried, standard_of};
+use crate::system::Triangle;
+use crate::{CalibrationError, CalibrationOptions, JointRange, System};
 
 /// What a consistent estimate starts from.
 #[derive(Debug, Clone, Copy)]

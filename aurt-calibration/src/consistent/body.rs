@@ -2,10 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::{
-    prior::ball,
-    program::{BodyMap, Program},
-};
+use super::prior::ball;
+use super::program::{BodyMap, Program};
 use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Extra loss up to which the body may differ from the nearest possible one, in squared standard deviations.

@@ -30,10 +30,8 @@ pub use body::{PossibleBody, possible_body};
 pub use prior::{Prior, PriorError};
 pub use report::{ConsistentReport, Moved, StandardEstimate};
 
-use self::{
-    assembly::{Assembly, Ground},
-    prior::{guessed, rotors_of_links},
-};
+use self::assembly::{Assembly, Ground};
+use self::prior::{guessed, rotors_of_links};
 use crate::CalibrationError;
 
 /// χ² up to which estimates may differ from the best that a machine can have. Base parameters then are within

@@ -3,10 +3,8 @@
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 use super::program::{Program, ROUNDING};
-use crate::{
-    linear::{Cholesky, gram},
-    physical::{Standard, adjoint, metric, pseudo_inertia},
-};
+use crate::linear::{Cholesky, gram};
+use crate::physical::{Standard, adjoint, metric, pseudo_inertia};
 
 /// Share of the way to the nearest bound that a step along the path may take.
 const KEPT_AWAY: f64 = 0.7;

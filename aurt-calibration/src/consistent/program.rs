@@ -167,7 +167,8 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{physical::adjoint, statistics::Random};
+    use crate::physical::adjoint;
+    use crate::statistics::Random;
 
     /// Bodies whose estimates are anything, with something positive beside them, and a point inside.
     fn any(seed: u64, bodies: usize) -> (Program, DVector<f64>) {

@@ -2,12 +2,11 @@ use aurt_traits::RobotNames;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    assembly::{Assembly, Fit},
-    prior::Prior,
-    program::Reached,
-};
-use crate::{physical::pseudo_inertia, with_deviation};
+use super::assembly::{Assembly, Fit};
+use super::prior::Prior;
+use super::program::Reached;
+use crate::physical::pseudo_inertia;
+use crate::with_deviation;
 
 /// Estimates that differ from least squares by more than this share of their standard deviation have moved.
 const NOTABLE: f64 = 0.5;

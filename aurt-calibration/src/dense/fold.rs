@@ -1,7 +1,5 @@
-use super::{
-    columns::{Columns, LANES, mul_add},
-    dispatched,
-};
+use super::columns::{Columns, LANES, mul_add};
+use super::dispatched;
 
 /// Columns whose reflectors are applied to the others at once.
 const PANEL: usize = 8;

@@ -2,10 +2,8 @@ use std::ops::Range;
 
 use aurt_traits::Dispatch;
 
-use super::{
-    columns::{Columns, LANES},
-    dispatched,
-};
+use super::columns::{Columns, LANES};
+use super::dispatched;
 
 /// Columns on the right of a product at once; those on the left of them follow from symmetry.
 const TOGETHER: usize = 3 * LANES;

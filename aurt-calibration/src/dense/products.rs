@@ -1,9 +1,7 @@
 use aurt_traits::Dispatch;
 
-use super::{
-    columns::{Columns, LANES},
-    dispatched,
-};
+use super::columns::{Columns, LANES};
+use super::dispatched;
 
 /// XᵀY over the first `rows` rows, `[column of Y · columns of X + column of X]`. Each of both is (data, distance of its
 /// columns, number of columns).

@@ -1,7 +1,5 @@
-use super::{
-    columns::{Columns, LANES},
-    dispatched,
-};
+use super::columns::{Columns, LANES};
+use super::dispatched;
 
 /// Rows worked on at once: those of the basis then stay in the second-level cache for all columns.
 const ROWS: usize = 64 * LANES;

@@ -1,9 +1,7 @@
 //! Reflections of small matrices, one column after the other.
 
-use super::{
-    columns::{LANES, mul_add, total},
-    dispatched,
-};
+use super::columns::{LANES, mul_add, total};
+use super::dispatched;
 
 /// A column whose part independent of the columns before it is smaller than this share of its length is taken as
 /// dependent.

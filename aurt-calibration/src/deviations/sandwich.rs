@@ -3,14 +3,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::{
-    autoregression::{Autocovariance, Autoregression},
-    clusters::factors,
-};
-use crate::{
-    CalibrationError, JointFactor,
-    rows::{JointRows, Observed, Piece},
-};
+use super::autoregression::{Autocovariance, Autoregression};
+use super::clusters::factors;
+use crate::rows::{JointRows, Observed, Piece};
+use crate::{CalibrationError, JointFactor};
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;

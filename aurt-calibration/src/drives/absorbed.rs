@@ -17,11 +17,9 @@ use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::drives::{
-    DriveError, DriveRecording, DrivenArm, Options, Selection,
-    columns::{Column, columns, stem},
-    output_error::{Problem, loss},
-};
+use crate::drives::columns::{Column, columns, stem};
+use crate::drives::output_error::{Problem, loss};
+use crate::drives::{DriveError, DriveRecording, DrivenArm, Options, Selection};
 
 /// What a structure contributes to the numbers of a model that lacks it.
 #[derive(Debug, Clone, PartialEq)]

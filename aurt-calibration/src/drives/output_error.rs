@@ -15,21 +15,17 @@
 //! Gautier, Janot, Vandanjon (2013), *A new closed-loop output error method for parameter identification of robot dynamics*,
 //! IEEE TCST.
 
-use std::{
-    sync::atomic::{AtomicU64, Ordering},
-    time::Instant,
-};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::drives::{
-    DriveError, DriveRecording, DrivenArm, LONGEST_STEP_S,
-    columns::{Column, Selection, columns, given},
-    determined::{Undetermined, undetermined},
-    deviations::{Stretch, covariance, stretch_s},
-};
+use crate::drives::columns::{Column, Selection, columns, given};
+use crate::drives::determined::{Undetermined, undetermined};
+use crate::drives::deviations::{Stretch, covariance, stretch_s};
+use crate::drives::{DriveError, DriveRecording, DrivenArm, LONGEST_STEP_S};
 
 /// Settings of an estimate.
 #[derive(Debug, Clone, PartialEq)]

@@ -18,7 +18,8 @@
 
 use aurt_traits::{DriveInput, Jet};
 
-use crate::drives::{DrivenArm, bodies::Bodies};
+use crate::drives::DrivenArm;
+use crate::drives::bodies::Bodies;
 
 /// Sweeps of the search for the sliding joints, and the change of velocity in rad/s at which it ends.
 const SWEEPS: (usize, f64) = (200, 1e-12);

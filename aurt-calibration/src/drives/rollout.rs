@@ -1,6 +1,7 @@
 use aurt_traits::{CommandSignal, Jet};
 
-use crate::drives::{DriveError, DrivenArm, plant::Plant};
+use crate::drives::plant::Plant;
+use crate::drives::{DriveError, DrivenArm};
 
 /// A recording of commands and positions: what a rollout starts from and is compared with.
 #[derive(Debug, Clone, Default, PartialEq)]

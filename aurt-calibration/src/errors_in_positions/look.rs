@@ -2,14 +2,12 @@ use aurt_recording::{PositionNoise, ZeroPhase, suitable_f_dyn_hz};
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
-use super::{
-    noise::{acceleration_share, noisier},
-    report::{FittedBandwidth, JointPositionNoise, Looked},
-    shift::Shift,
-};
-use crate::{
-    CalibrationError, NamedRecording, Solution, System, accumulate, rows::Observed, statistics::Random,
-};
+use super::noise::{acceleration_share, noisier};
+use super::report::{FittedBandwidth, JointPositionNoise, Looked};
+use super::shift::Shift;
+use crate::rows::Observed;
+use crate::statistics::Random;
+use crate::{CalibrationError, NamedRecording, Solution, System, accumulate};
 
 const FILTER_ORDER: usize = 4;
 /// Motions lie below this share of the parallel cut-off, which is half of f_dyn, and below this frequency, Hz, as far as

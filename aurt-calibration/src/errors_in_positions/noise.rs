@@ -3,7 +3,8 @@
 use aurt_recording::{PositionNoise, Segment, ZeroPhase, acceleration_gain};
 use aurt_traits::Motion;
 
-use crate::{CalibrationError, statistics::Random};
+use crate::CalibrationError;
+use crate::statistics::Random;
 
 /// Points of the integral over frequency.
 const POINTS: usize = 512;

@@ -4,10 +4,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::{
-    CalibrationError, JointFactor, Rest, System, for_each_row_block,
-    rows::{Observed, Piece},
-};
+use crate::rows::{Observed, Piece};
+use crate::{CalibrationError, JointFactor, Rest, System, for_each_row_block};
 
 /// No block is shorter than this, s; noise of drives remembers for a tenth of it.
 const SHORTEST_S: f64 = 2.0;

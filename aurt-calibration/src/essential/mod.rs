@@ -15,10 +15,8 @@ use rayon::prelude::*;
 pub(crate) use blocks::Full;
 pub use report::{EssentialReport, EssentialStep};
 
-use crate::{
-    CalibrationError, JointFactor, System,
-    statistics::{ONE_SIDED_5, student},
-};
+use crate::statistics::{ONE_SIDED_5, student};
+use crate::{CalibrationError, JointFactor, System};
 use blocks::blocks_of;
 
 /// Blocks that the recordings are cut into, about.

@@ -3,16 +3,12 @@
 use aurt_traits::LoadTorque;
 use nalgebra::DMatrix;
 
-use super::{
-    problem::{Point, Problem, Seen},
-    recorded::GainsOf,
-};
-use crate::{
-    CalibrationError, NamedRecording,
-    deviations::{Lift, Sandwich},
-    rows::Observed,
-    system::weights,
-};
+use super::problem::{Point, Problem, Seen};
+use super::recorded::GainsOf;
+use crate::deviations::{Lift, Sandwich};
+use crate::rows::Observed;
+use crate::system::weights;
+use crate::{CalibrationError, NamedRecording};
 
 /// The covariance of log g_j, of noise with the memory that residuals have, at least that of white noise.
 pub(super) fn covariance(

@@ -21,9 +21,9 @@ use aurt_traits::{LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{
-    CalibrationError, JointFactor, NamedRecording, System, accumulate, physical::carried, rows::check,
-};
+use crate::physical::carried;
+use crate::rows::check;
+use crate::{CalibrationError, JointFactor, NamedRecording, System, accumulate};
 use covariance::{covariance, white};
 use problem::{Point, Problem, Seen};
 pub use recorded::{GainsOf, KnownLoad};

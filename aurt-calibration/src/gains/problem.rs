@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{CalibrationError, JointFactor, System, linear::singular_vectors};
+use crate::linear::singular_vectors;
+use crate::{CalibrationError, JointFactor, System};
 
 /// Steps at most, for each set of weights.
 const STEPS: usize = 60;

@@ -1,6 +1,7 @@
 use aurt_traits::RobotModel;
 
-use crate::{CalibrationOptions, NamedRecording, TermScopes, uncertainty::noise_bandwidth_factor};
+use crate::uncertainty::noise_bandwidth_factor;
+use crate::{CalibrationOptions, NamedRecording, TermScopes};
 
 /// What is known of the load that some of the recordings carry.
 #[derive(Debug, Clone, Copy, PartialEq)]

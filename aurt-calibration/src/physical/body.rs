@@ -5,7 +5,8 @@ use std::ops::Range;
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use nalgebra::{Matrix3, Matrix4};
 
-use super::{fitted::Fitted, pseudo_inertia::pseudo_inertia};
+use super::fitted::Fitted;
+use super::pseudo_inertia::pseudo_inertia;
 
 /// The standard parameters of a body in its link's frame, as columns are named, `XX_5`.
 const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];

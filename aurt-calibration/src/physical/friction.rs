@@ -132,13 +132,7 @@ fn columns(model: &RobotModel, joint: usize, speed: f64, load: f64) -> Result<Ve
     loads[own].fill(load);
 
     let mut found = vec![0.0; model.parameters().len()];
-    let series = JointSeries {
-        time_s: view.time_s(),
-        position_rad: view.position_rad(joint),
-        velocity_rad_s: view.velocity_rad_s(joint),
-        acceleration_rad_s2: view.acceleration_rad_s2(joint),
-        load_torque: &loads[joint * samples..(joint + 1) * samples],
-    };
+    let series = JointSeries::of(view, joint, &loads[joint * samples..(joint + 1) * samples]);
     let range = model.group(ColumnGroup::JointDynamics(joint));
     let mut data = vec![0.0; range.len() * samples];
     let mut state = stack.initial_state(&series.slice(0..1));

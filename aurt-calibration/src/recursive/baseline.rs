@@ -1,10 +1,8 @@
 use serde::Serialize;
 
-use crate::{
-    CalibrationError, Solution,
-    statistics::{low_chi_squared, student},
-    uncertainty::NORMAL_95,
-};
+use crate::statistics::{low_chi_squared, student};
+use crate::uncertainty::NORMAL_95;
+use crate::{CalibrationError, Solution};
 
 /// Fewer windows than this do not tell how much an unchanged machine varies.
 pub const MIN_WINDOWS: usize = 6;

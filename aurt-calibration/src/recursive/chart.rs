@@ -1,5 +1,6 @@
 use super::{Baseline, ChangePoint, Cusum, MIN_WINDOWS};
-use crate::{Solution, statistics::normal};
+use crate::Solution;
+use crate::statistics::normal;
 
 /// A parameter's chart: three CUSUMs over windows that share what the model lacks on their motion.
 ///
@@ -93,7 +94,8 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{recursive::threshold_for, statistics::Random};
+    use crate::recursive::threshold_for;
+    use crate::statistics::Random;
 
     fn window(value: f64) -> Solution {
         Solution {

@@ -1,5 +1,6 @@
 use super::level::{row_variance_ratios, scaled};
-use crate::{CalibrationError, System, system::weights};
+use crate::system::weights;
+use crate::{CalibrationError, System};
 
 /// Times that residuals are looked at to weight recordings.
 const REWEIGHTED: usize = 3;

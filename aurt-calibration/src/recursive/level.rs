@@ -1,4 +1,5 @@
-use crate::{CalibrationError, JointFactor, Solution, System, system::weights};
+use crate::system::weights;
+use crate::{CalibrationError, JointFactor, Solution, System};
 
 /// Coefficients that a joint's rows of a window determine, about.
 const FITTED: usize = 3;

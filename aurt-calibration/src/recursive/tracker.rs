@@ -1,4 +1,5 @@
-use crate::{CalibrationError, JointFactor, Solution, System, system::weights};
+use crate::system::weights;
+use crate::{CalibrationError, JointFactor, Solution, System};
 
 /// Recursive weighted least squares in square-root form: Σ_j σ_j⁻² ‖y_j − W_j ζ‖² over all rows so far.
 ///

@@ -3,11 +3,9 @@ use aurt_traits::{
     ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, RigidBodyRegressor, RobotModel,
 };
 
-use super::{
-    load::LoadSeries,
-    series::{filtered, separable, tiles},
-};
-use crate::{CalibrationError, rows::TILE_SAMPLES};
+use super::series::{LoadSeries, separable, tiles};
+use crate::CalibrationError;
+use crate::rows::TILE_SAMPLES;
 
 /// Distance between the columns of a tile; not a multiple of 4096 bytes, so that they do not share cache sets.
 const STRIDE: usize = TILE_SAMPLES + 8;
@@ -74,6 +72,11 @@ impl<'m> Source<'m> {
         }
     }
 
+    /// Whether it is an arm term whose torque joints transmit; it sees no load itself.
+    pub(crate) fn is_load(&self) -> bool {
+        matches!(self, Self::Term { term, .. } if term.is_load())
+    }
+
     /// Whether it is a stack whose parts can be had apart.
     pub(crate) fn separable(&self) -> bool {
         matches!(self, Self::Stack { stack, .. } if separable(stack))
@@ -110,13 +113,7 @@ impl Running<'_> {
         match self.source {
             Source::Stack { joint, stack, .. } => {
                 let now = motion.slice(first..end);
-                let series = JointSeries {
-                    time_s: now.time_s(),
-                    position_rad: now.position_rad(joint),
-                    velocity_rad_s: now.velocity_rad_s(joint),
-                    acceleration_rad_s2: now.acceleration_rad_s2(joint),
-                    load_torque: &load.joint(joint)[first..end],
-                };
+                let series = JointSeries::of(now, joint, &load.joint(joint)[first..end]);
                 let state = self.state.get_or_insert_with(|| stack.initial_state(&series.slice(0..1)));
                 let mut out = Columns::new(out, self.entries.len(), samples, STRIDE);
                 stack.evaluate(&series, state, &mut out)?;
@@ -172,15 +169,14 @@ pub(crate) fn dynamics_rows(
     Ok(columns)
 }
 
-/// The sources' columns over a segment, each times its coefficient and added to its joint's part of `summed`; the sums,
-/// filtered and decimated. The filter is linear: it sees one series a joint instead of all columns.
-pub(crate) fn dynamics_sums(
+/// Adds the sources' columns over a segment, each times its coefficient, to its joint's part of `summed`.
+pub(crate) fn add_sums(
     sources: &[Source<'_>],
     segment: &Segment,
     load: &LoadSeries,
     coefficient: impl Fn(usize) -> f64,
-    mut summed: Vec<f64>,
-) -> Result<Vec<Vec<f64>>, CalibrationError> {
+    summed: &mut [f64],
+) -> Result<(), CalibrationError> {
     let (joints, samples) = (segment.motion.joints(), segment.motion.samples());
     let (mut running, entries) = begin(sources, joints);
     let mut data = vec![0.0; entries.len() * STRIDE];
@@ -194,7 +190,7 @@ pub(crate) fn dynamics_sums(
             sum.iter_mut().zip(values).for_each(|(s, v)| *s += factor * v);
         }
     }
-    filtered(segment, &summed, joints)
+    Ok(())
 }
 
 /// Sources without a state yet, and the (joint, coefficient) of each of their columns.

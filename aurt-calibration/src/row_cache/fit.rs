@@ -1,12 +1,12 @@
+use std::sync::Arc;
+
 use aurt_traits::{Dispatch, RobotModel};
 use rayon::prelude::*;
 
-use super::{
-    dynamics::{DynamicsColumn, Source, dynamics_rows},
-    kept::Kept,
-    load::LoadSeries,
-    rigid::RigidRows,
-};
+use super::dynamics::{DynamicsColumn, Source, dynamics_rows};
+use super::kept::Kept;
+use super::rigid::RigidRows;
+use super::series::LoadSeries;
 use crate::{
     CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes, dense,
     noise_bandwidth_factor,
@@ -27,14 +27,12 @@ pub struct FitRows<'r> {
     pub(super) pieces: Vec<Piece>,
     pub(super) joints: Vec<JointBasis>,
     pub(super) parts: SplitParts,
-    pub(super) triangles: Kept<(usize, String, String), Vec<f64>>,
-    pub(super) unloaded: Kept<(usize, String), Option<Vec<bool>>>,
     /// The [`noise_bandwidth_factor`] of the filter that rows passed.
     bandwidth: f64,
 }
 
 /// The split columns of models that do not read the load torque, by joint and model with its configuration.
-type SplitParts = Kept<(usize, String), Vec<Split>>;
+type SplitParts = Kept<(usize, String), Vec<Arc<Split>>>;
 
 /// A segment of a recording that is fitted.
 #[derive(Debug, Clone)]
@@ -53,11 +51,11 @@ pub(super) struct JointBasis {
     basis: Vec<f64>,
     /// R, column-major.
     triangle: Vec<f64>,
-    measurement: Split,
+    measurement: Arc<Split>,
 }
 
 /// A column's part along the rigid-body columns, as coefficients of their basis, and its part beyond them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Split {
     pub along: Vec<f64>,
     pub beyond: Vec<f64>,
@@ -85,7 +83,7 @@ pub(crate) struct SplitColumn {
     /// The coefficient.
     pub column: usize,
     /// Its parts.
-    pub split: Split,
+    pub split: Arc<Split>,
 }
 
 impl<'r> FitRows<'r> {
@@ -116,8 +114,7 @@ impl<'r> FitRows<'r> {
             let segment = rigid.segment(p.recording, p.segment);
             noise_bandwidth_factor(&segment.parallel_filter, segment.decimation)
         });
-        let (parts, triangles, unloaded) = Default::default();
-        Ok(Self { rigid, pieces, joints, parts, triangles, unloaded, bandwidth })
+        Ok(Self { rigid, pieces, joints, parts: SplitParts::default(), bandwidth })
     }
 
     /// The rows that are shared.
@@ -153,6 +150,9 @@ impl<'r> FitRows<'r> {
         acting: &[Vec<bool>],
         loads: &[LoadSeries],
     ) -> Result<Vec<SplitColumn>, CalibrationError> {
+        if sources.is_empty() {
+            return Ok(Vec::new());
+        }
         let evaluate = |(piece, load): (&Piece, &LoadSeries)| {
             dynamics_rows(sources, self.rigid.segment(piece.recording, piece.segment), load)
         };
@@ -191,40 +191,24 @@ impl<'r> FitRows<'r> {
 
     /// The factor of a joint's rows over its rigid-body columns and `columns`, whose coefficients ascend.
     pub(crate) fn factor(&self, joint: usize, columns: &[(usize, &Split)]) -> JointFactor {
-        let splits: Vec<&Split> = columns.iter().map(|(_, split)| *split).collect();
-        self.factor_of(joint, columns.iter().map(|(c, _)| *c), self.triangle(joint, &splits))
-    }
-
-    /// The triangle of a joint's rows over its rigid-body columns, `columns` and the measurement.
-    pub(super) fn triangle(&self, joint: usize, columns: &[&Split]) -> Vec<f64> {
         let basis = &self.joints[joint];
         let (n, k) = (self.rigid.columns(joint).len(), columns.len());
         let size = n + k + 1;
-        let splits = || columns.iter().copied().chain(std::iter::once(&basis.measurement));
+        let splits = columns.iter().map(|(_, split)| *split).chain([&*basis.measurement]);
         let mut beyond = JointFactor::new((0..k).collect());
-        beyond.push(|c| &columns[c].beyond, &basis.measurement.beyond, |_| true);
+        beyond.push(|c| &columns[c].1.beyond, &basis.measurement.beyond, |_| true);
         let small = beyond.triangle();
         let mut triangle = vec![0.0; size * size];
         for c in 0..n {
             triangle[c * size..c * size + n].copy_from_slice(&basis.triangle[c * n..(c + 1) * n]);
         }
-        for (c, split) in splits().enumerate() {
+        for (c, split) in splits.enumerate() {
             let start = (n + c) * size;
             triangle[start..start + n].copy_from_slice(&split.along);
             triangle[start + n..start + size].copy_from_slice(&small[c * (k + 1)..(c + 1) * (k + 1)]);
         }
-        triangle
-    }
-
-    /// The factor with a [`Self::triangle`] whose columns have the given coefficients.
-    pub(super) fn factor_of(
-        &self,
-        joint: usize,
-        columns: impl Iterator<Item = usize>,
-        triangle: Vec<f64>,
-    ) -> JointFactor {
-        let all = self.rigid.columns(joint).iter().copied().chain(columns).collect();
-        JointFactor::from_triangle(all, triangle, self.joints[joint].rows)
+        let all = self.rigid.columns(joint).iter().copied().chain(columns.iter().map(|(c, _)| *c));
+        JointFactor::from_triangle(all.collect(), triangle, basis.rows)
     }
 
     /// The system of a model whose split columns are given.
@@ -232,7 +216,7 @@ impl<'r> FitRows<'r> {
         let factors = (0..self.joints.len())
             .map(|joint| {
                 let mut own: Vec<(usize, &Split)> =
-                    columns.iter().filter(|c| c.joint == joint).map(|c| (c.column, &c.split)).collect();
+                    columns.iter().filter(|c| c.joint == joint).map(|c| (c.column, &*c.split)).collect();
                 own.sort_by_key(|(column, _)| *column);
                 self.factor(joint, &own)
             })
@@ -302,15 +286,12 @@ impl JointBasis {
                 column.fill(0.0);
             }
         }
-        let mut joint =
-            Self { rows, basis, triangle, measurement: Split { along: Vec::new(), beyond: Vec::new() } };
-        if let Some(split) = joint.split(&[&measured]).pop() {
-            joint.measurement = split;
-        }
+        let mut joint = Self { rows, basis, triangle, measurement: Arc::default() };
+        joint.measurement = joint.split(&[&measured]).pop().unwrap_or_default();
         Ok(joint)
     }
 
-    pub(super) fn split(&self, columns: &[&[f64]]) -> Vec<Split> {
+    pub(super) fn split(&self, columns: &[&[f64]]) -> Vec<Arc<Split>> {
         let (rows, n) = (self.rows, self.triangle.len().isqrt());
         let mut beyond = columns.concat();
         let mut along = project_out(&self.basis, rows, &mut beyond, columns.len());
@@ -322,9 +303,9 @@ impl JointBasis {
             }
         }
         (0..columns.len())
-            .map(|k| Split {
-                along: along[k * n..(k + 1) * n].to_vec(),
-                beyond: beyond[k * rows..(k + 1) * rows].to_vec(),
+            .map(|k| {
+                let along = along[k * n..(k + 1) * n].to_vec();
+                Arc::new(Split { along, beyond: beyond[k * rows..(k + 1) * rows].to_vec() })
             })
             .collect()
     }

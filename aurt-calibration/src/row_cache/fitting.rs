@@ -1,15 +1,16 @@
-use aurt_traits::{JointStack, LoadTorque, MeasurementUnit, RobotModel};
+use aurt_traits::{JointStack, LoadTorque, RobotModel};
 use rayon::prelude::*;
 
-use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
+use super::dynamics::Source;
+use super::fit::FitRows;
+use super::series::LoadSeries;
+use crate::calibrate::{FittedTo, Setting, finished};
+use crate::errors_in_positions::Shift;
+use crate::rows::Observed;
+use crate::system::estimate_coefficients;
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, Estimate, JointRange, LoadTorqueChoice,
-    NamedRecording, System, TermScopes,
-    calibrate::{FittedTo, Setting, finished},
-    errors_in_positions::Shift,
-    estimate,
-    rows::Observed,
-    system::estimate_coefficients,
+    NamedRecording, System, TermScopes, estimate,
 };
 
 #[derive(Debug)]
@@ -22,23 +23,6 @@ pub(crate) struct Fitted {
     pub system: System,
     /// Its solution.
     pub estimate: Estimate,
-}
-
-/// As [`calibrate_scoped`](crate::calibrate_scoped), from shared rows.
-///
-/// # Errors
-/// As [`calibrate`](crate::calibrate); [`CalibrationError::Columns`] for a model of other rigid bodies.
-pub fn calibrate_rows(
-    model: &RobotModel,
-    rows: &FitRows<'_>,
-    scopes: &TermScopes,
-    unit: MeasurementUnit,
-    f_dyn_hz: f64,
-    options: &CalibrationOptions,
-) -> Result<Calibration, CalibrationError> {
-    let fitted = fit(model, rows, scopes, options)?;
-    let setting = Setting { model, unit, f_dyn_hz, options };
-    rows.calibration(&setting, &fitted, scopes, None)
 }
 
 /// The two passes of a linear fit.
@@ -62,10 +46,6 @@ pub(crate) fn fit(
         })
         .collect();
     let system = |loads: &[LoadSeries]| -> Result<System, CalibrationError> {
-        if others.is_empty() {
-            let factors = stacks.iter().map(|stack| rows.stack_factor(*stack, loads));
-            return Ok(System::new(coefficients, factors.collect::<Result<_, _>>()?));
-        }
         let mut columns = rows.columns(&others, &acting, loads)?;
         for stack in &stacks {
             columns.extend(rows.stack_columns(*stack, loads)?);
@@ -75,10 +55,7 @@ pub(crate) fn fit(
     let load = match options.load_torque {
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
-            let system = match rows.unloaded_system(model)? {
-                Some(system) => system,
-                None => system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?,
-            };
+            let system = system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?;
             if !sources.iter().any(Source::reads_load) {
                 // A second fit would be this one.
                 let estimate = estimate(&system, options.estimator)?;

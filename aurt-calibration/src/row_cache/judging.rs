@@ -1,12 +1,11 @@
 use aurt_traits::RobotModel;
 
-use super::{
-    dynamics::{Source, dynamics_sums},
-    load::LoadSeries,
-    parts::{StackSums, add},
-    rigid::RigidRows,
-};
-use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validation::validated};
+use super::dynamics::{Source, add_sums};
+use super::parts::{StackSums, add};
+use super::rigid::RigidRows;
+use super::series::{LoadSeries, filtered};
+use crate::validation::validated;
+use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows};
 
 /// A measured row beside its prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +64,8 @@ impl RigidRows<'_> {
                 self.add_stack(place, stack, &load, own, &mut predictions[joint], &mut unfiltered)?;
             }
             if unfiltered.any || !others.is_empty() {
-                let sums = dynamics_sums(&others, segment, &load, of, unfiltered.sums)?;
+                add_sums(&others, segment, &load, of, &mut unfiltered.sums)?;
+                let sums = filtered(segment, &unfiltered.sums, joints)?;
                 predictions.iter_mut().zip(&sums).for_each(|(predicted, sum)| add(predicted, 1.0, sum));
             }
             let motion = segment.motion.view();

@@ -1,10 +1,8 @@
 //! Columns of models that do not read the load torque, kept for all robot models that have them.
 
-use std::{
-    collections::HashMap,
-    hash::Hash,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What is kept may take this much memory; what comes after is computed each time.
 const MOST_BYTES: usize = 1 << 28;

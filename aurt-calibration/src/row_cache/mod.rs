@@ -25,9 +25,8 @@ mod stacks;
 pub(crate) use dynamics::Source;
 pub(crate) use fit::{Split, SplitColumn};
 pub(crate) use fitting::{Fitted, fit};
-pub(crate) use load::LoadSeries;
+pub(crate) use series::LoadSeries;
 
 pub use fit::FitRows;
-pub use fitting::calibrate_rows;
 pub use judging::JudgedRow;
 pub use rigid::RigidRows;

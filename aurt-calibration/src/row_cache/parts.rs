@@ -4,12 +4,9 @@ use std::sync::Arc;
 
 use aurt_traits::{JointModel, JointStack};
 
-use super::{
-    kept::Part,
-    load::LoadSeries,
-    rigid::RigidRows,
-    series::{filtered, identity, unfiltered},
-};
+use super::kept::Part;
+use super::rigid::RigidRows;
+use super::series::{LoadSeries, filtered, identity, unfiltered};
 use crate::CalibrationError;
 
 impl RigidRows<'_> {

@@ -4,8 +4,10 @@ use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor, RobotModel};
 use rayon::prelude::*;
 
-use super::{kept::Parts, series::tiles};
-use crate::{CalibrationError, NamedRecording, rows::check};
+use super::kept::Parts;
+use super::series::tiles;
+use crate::rows::check;
+use crate::{CalibrationError, NamedRecording};
 
 /// Recordings with the filtered, decimated rows of their rigid-body columns.
 #[derive(Debug)]

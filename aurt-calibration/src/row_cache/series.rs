@@ -1,9 +1,37 @@
-//! Columns of a model over a whole segment.
+//! Columns of a model over a whole segment, and the load torque that they depend on.
 
 use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
-use crate::{CalibrationError, rows::TILE_SAMPLES};
+use crate::CalibrationError;
+use crate::rows::TILE_SAMPLES;
+
+/// The load torque τ_J of every joint over a segment, unfiltered.
+#[derive(Debug, Clone)]
+pub(crate) struct LoadSeries {
+    pub(super) values: Vec<f64>,
+    samples: usize,
+}
+
+impl LoadSeries {
+    pub(crate) fn zero(joints: usize, samples: usize) -> Self {
+        Self { values: vec![0.0; joints * samples], samples }
+    }
+
+    /// All joints, `stride` apart, from sample `first` on.
+    pub(crate) fn from(&self, first: usize) -> &[f64] {
+        &self.values[first..]
+    }
+
+    /// Distance between the first samples of two joints.
+    pub(crate) const fn stride(&self) -> usize {
+        self.samples
+    }
+
+    pub(crate) fn joint(&self, joint: usize) -> &[f64] {
+        &self.values[joint * self.samples..(joint + 1) * self.samples]
+    }
+}
 
 /// Whether the parts of a stack can be had apart: its hysteresis and viscous columns do not depend on τ_J.
 pub(crate) fn separable(stack: &JointStack) -> bool {
@@ -26,13 +54,7 @@ pub(super) fn unfiltered(
     let (count, samples) = (model.columns().len(), motion.samples());
     let mut columns = vec![0.0; count * samples];
     if samples > 0 {
-        let series = JointSeries {
-            time_s: motion.time_s(),
-            position_rad: motion.position_rad(joint),
-            velocity_rad_s: motion.velocity_rad_s(joint),
-            acceleration_rad_s2: motion.acceleration_rad_s2(joint),
-            load_torque,
-        };
+        let series = JointSeries::of(motion, joint, load_torque);
         let mut state = model.initial_state(&series.slice(0..1));
         model.evaluate(&series, &mut state, &mut Columns::new(&mut columns, count, samples, samples))?;
     }

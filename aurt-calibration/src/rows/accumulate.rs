@@ -6,11 +6,9 @@ use aurt_recording::{Segment, ZeroPhaseBank};
 use aurt_traits::{LoadTorque, MotionView, RobotModel, RobotState, RobotTile};
 use rayon::prelude::*;
 
-use super::{
-    recordings::NamedRecording,
-    scope::TermScopes,
-    stream::{RowBlock, TILE_SAMPLES},
-};
+use super::recordings::NamedRecording;
+use super::scope::TermScopes;
+use super::stream::{RowBlock, TILE_SAMPLES};
 use crate::{CalibrationError, CalibrationOptions, JointFactor, Rest, System};
 
 /// Accumulates the factors of all joints over all recordings: segments in parallel and, within a segment, the joints'

@@ -2,11 +2,9 @@ use aurt_recording::Segment;
 use aurt_traits::{LoadTorque, RobotModel};
 use rayon::prelude::*;
 
-use super::{
-    joint_rows::{JointRows, rows_of},
-    recordings::NamedRecording,
-    scope::TermScopes,
-};
+use super::joint_rows::{JointRows, rows_of};
+use super::recordings::NamedRecording;
+use super::scope::TermScopes;
 use crate::{CalibrationError, CalibrationOptions};
 
 /// Recordings that a model was fitted to, to be looked at again row by row.

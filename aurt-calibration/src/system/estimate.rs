@@ -1,7 +1,5 @@
-use super::{
-    factor::JointFactor,
-    triangles::{Solution, System},
-};
+use super::factor::JointFactor;
+use super::triangles::{Solution, System};
 use crate::{CalibrationError, Estimator};
 
 /// Mean squared residual of an unweighted fit.

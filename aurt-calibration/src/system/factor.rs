@@ -1,9 +1,7 @@
 use aurt_traits::Dispatch;
 
-use crate::{
-    CalibrationError,
-    dense::{LANES, fold_rows},
-};
+use crate::CalibrationError;
+use crate::dense::{LANES, fold_rows};
 
 /// Rows buffered before they are folded into the triangle; a multiple of [`LANES`], small enough for buffer and
 /// triangle to stay in the second-level cache, large enough for what folding costs beside the rows not to count.

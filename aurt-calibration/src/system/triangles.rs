@@ -2,11 +2,9 @@ use aurt_traits::Dispatch;
 use nalgebra::{DMatrix, DVector};
 
 use super::factor::JointFactor;
-use crate::{
-    CalibrationError,
-    dense::{self, dot},
-    linear::condition_number,
-};
+use crate::CalibrationError;
+use crate::dense::{self, dot};
+use crate::linear::condition_number;
 
 /// A column that is not longer than this is zero: what exponentials leave far from where they act (1e-160) is no motion.
 const LEAST_LENGTH: f64 = 1e-100;

@@ -1,7 +1,8 @@
 use aurt_traits::{ColumnGroup, RobotModel};
 
 use super::validate::{ValidatedRows, validated};
-use crate::{Calibration, CalibrationError, NamedRecording, for_each_predicted_block, rows::check};
+use crate::rows::check;
+use crate::{Calibration, CalibrationError, NamedRecording, for_each_predicted_block};
 
 /// Measurement and prediction of one recording, row by row: what [`Metrics`](crate::Metrics) are means over.
 #[derive(Debug, Clone, PartialEq, Default)]

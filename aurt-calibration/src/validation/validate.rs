@@ -5,9 +5,9 @@ use aurt_traits::{RobotModel, RobotNames};
 use serde::{Deserialize, Serialize};
 
 use super::metrics::{JointMetrics, Metrics};
+use crate::rows::check;
 use crate::{
     Calibration, CalibrationError, NamedRecording, for_each_predicted_block, for_each_tile, predict_tile,
-    rows::check,
 };
 
 /// How a calibrated model does on one recording, on the filtered and decimated measurement.

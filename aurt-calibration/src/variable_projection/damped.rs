@@ -1,7 +1,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Linearised, Point, Problem, Sensitivity};
-use crate::{CalibrationError, linear::Cholesky};
+use crate::CalibrationError;
+use crate::linear::Cholesky;
 
 /// Steps shorter than this share of a shape's range are no progress.
 const SMALLEST_STEP: f64 = 1e-6;

@@ -1,17 +1,17 @@
 use aurt_traits::{MeasurementUnit, RobotModel};
 
-use super::{
-    damped::ShapeOptions,
-    owner::Owner,
-    report::ShapeReport,
-    search::{Found, search_box, search_nearby},
-    shaped::Shaped,
-    shifted::shift,
-    uncertainty::precision,
-};
+use super::damped::ShapeOptions;
+use super::owner::Owner;
+use super::report::ShapeReport;
+use super::search::{Found, search_box, search_nearby};
+use super::shaped::Shaped;
+use super::shifted::shift;
+use super::uncertainty::precision;
+use crate::calibrate::Setting;
+use crate::row_cache::fit;
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
-    calibrate::Setting, calibrate_rows, calibrate_scoped,
+    calibrate_scoped,
 };
 
 /// Weights and load torque follow the shapes at most this often.
@@ -49,7 +49,7 @@ pub fn calibrate_shapes(
 /// As [`calibrate_shapes`], from shared rows.
 ///
 /// # Errors
-/// As [`calibrate_rows`].
+/// As [`calibrate_scoped`]; [`CalibrationError::Columns`] for a model of other rigid bodies.
 pub fn calibrate_shapes_rows(
     model: &RobotModel,
     rows: &FitRows<'_>,
@@ -61,7 +61,9 @@ pub fn calibrate_shapes_rows(
 ) -> Result<(RobotModel, Calibration), CalibrationError> {
     let owners = Owner::all(model);
     if !options.fit_shapes || owners.is_empty() {
-        let calibration = calibrate_rows(model, rows, scopes, unit, f_dyn_hz, options)?;
+        let setting = Setting { model, unit, f_dyn_hz, options };
+        let fitted = fit(model, rows, scopes, options)?;
+        let calibration = rows.calibration(&setting, &fitted, scopes, None)?;
         return Ok((model.clone(), calibration));
     }
     let mut shaped = Shaped::begin(model, rows, scopes, options)?;

@@ -1,17 +1,13 @@
-use std::sync::{
-    Arc,
-    atomic::{AtomicUsize, Ordering},
-};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aurt_traits::{ColumnGroup, RobotModel};
 use rayon::prelude::*;
 
 use super::owner::{Owner, Variant};
-use crate::{
-    CalibrationError, FitRows, System,
-    row_cache::{LoadSeries, Source, Split, SplitColumn},
-    system::triangularise,
-};
+use crate::row_cache::{LoadSeries, Source, Split, SplitColumn};
+use crate::system::triangularise;
+use crate::{CalibrationError, FitRows, System};
 
 /// Step by which columns are differentiated, as a share of a shape's range.
 const DIFFERENCE: f64 = 1e-4;
@@ -250,7 +246,7 @@ impl<'a> Problem<'a> {
             .iter()
             .chain(owners.iter().flat_map(|columns| columns.iter()))
             .filter(|c| c.joint == joint)
-            .map(|c| (c.column, &c.split))
+            .map(|c| (c.column, &*c.split))
             .collect();
         own.sort_by_key(|(column, _)| *column);
         for (k, sensitivity) in appended.iter().enumerate() {

@@ -1,7 +1,8 @@
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel, Scale};
 use serde::{Deserialize, Serialize};
 
-use crate::{CalibratedParameter, errors_in_positions::Shift};
+use crate::CalibratedParameter;
+use crate::errors_in_positions::Shift;
 
 /// A shape parameter that a calibration found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

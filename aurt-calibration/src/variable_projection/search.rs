@@ -1,9 +1,7 @@
 use rayon::prelude::*;
 
-use super::{
-    damped::{Descent, ShapeOptions, descend},
-    problem::{Point, Problem},
-};
+use super::damped::{Descent, ShapeOptions, descend};
+use super::problem::{Point, Problem};
 use crate::CalibrationError;
 
 #[derive(Debug, Clone)]

@@ -1,11 +1,9 @@
 use aurt_traits::RobotModel;
 
 use super::problem::Problem;
-use crate::{
-    CalibrationError, CalibrationOptions, Estimator, FitRows, TermScopes,
-    row_cache::{Fitted, fit},
-    system::weights,
-};
+use crate::row_cache::{Fitted, fit};
+use crate::system::weights;
+use crate::{CalibrationError, CalibrationOptions, Estimator, FitRows, TermScopes};
 
 /// A model with some shapes, its linear fit, and what the search keeps fixed.
 pub(super) struct Shaped<'a> {

@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::{owner::Owner, problem::Problem, shaped::Shaped, uncertainty::at_bound};
-use crate::{
-    CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
-    errors_in_positions::{DRAWS, Shift, noisier_recordings, position_noise_matters},
-};
+use super::owner::Owner;
+use super::problem::Problem;
+use super::shaped::Shaped;
+use super::uncertainty::at_bound;
+use crate::errors_in_positions::{DRAWS, Shift, noisier_recordings, position_noise_matters};
+use crate::{CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes};
 
 /// By how much noise of the positions is taken to have shifted coefficients and shapes, the latter as shares of their ranges:
 /// one step of Gauss and Newton from the minimum, with the noise added once more, for each draw. Shapes at a bound stay there.

@@ -1,10 +1,9 @@
-use super::{
-    owner::{Owner, value},
-    problem::{Point, Problem},
-    report::FittedShape,
-    search::Found,
-};
-use crate::{CalibrationError, Estimator, estimate, uncertainty::NORMAL_95};
+use super::owner::{Owner, value};
+use super::problem::{Point, Problem};
+use super::report::FittedShape;
+use super::search::Found;
+use crate::uncertainty::NORMAL_95;
+use crate::{CalibrationError, Estimator, estimate};
 
 /// A shape this close to an end of its range lies at the bound.
 const AT_BOUND: f64 = 1e-6;

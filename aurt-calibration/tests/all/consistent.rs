@@ -9,8 +9,9 @@ use aurt_calibration::{
     calibrate, possible_body,
 };
 use aurt_rbd::{LinkBody, inconsistencies};
+use aurt_simulation::robots::ur10e;
 use aurt_traits::{KnownBodies, MeasurementUnit};
-use known_robot::{F_DYN_HZ, KnownRobot, Noise, links, measured};
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
 use proptest::prelude::*;
 
 const UNIT: MeasurementUnit = MeasurementUnit::NewtonMetre;
@@ -94,12 +95,16 @@ fn noise_that_makes_least_squares_impossible_does_not_make_the_estimate_so() {
     assert!(miss(&found) < miss(&plain), "{} {}", miss(&found), miss(&plain));
 }
 
+fn masses() -> [f64; 6] {
+    std::array::from_fn(|link| ur10e().links[link].mass_kg)
+}
+
 /// Masses with a description of the robot as prior, and what is said of them.
 fn described(size: f64, factors: [f64; 6], weight: f64) -> (Vec<f64>, Calibration) {
     let mut robot = KnownRobot::new(None);
     let recording = measured(&robot.clean(0, 16.0), "0", 7, Noise::White, size, None);
     let scaled = |(link, factor): (LinkBody, f64)| link.standard_parameters().map(|v| factor * v);
-    let standard = links().into_iter().zip(factors).flat_map(scaled).collect();
+    let standard = ur10e().links.into_iter().zip(factors).flat_map(scaled).collect();
     robot.model = robot.model.with_known_bodies(KnownBodies { standard, weight });
     let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
     is_machine(&robot, &found);
@@ -109,7 +114,7 @@ fn described(size: f64, factors: [f64; 6], weight: f64) -> (Vec<f64>, Calibratio
 
 #[test]
 fn what_the_data_leave_open_stays_at_a_true_description() {
-    let truth = links().map(|link| link.mass_kg);
+    let truth = masses();
     let furthest =
         |masses: &[f64]| masses.iter().zip(truth).map(|(m, t)| (m / t).ln().abs()).fold(0.0, f64::max).exp();
     let is_told = |found: &Calibration| found.warnings.iter().any(|w| w.contains("more than a factor of 3"));
@@ -139,8 +144,8 @@ fn what_the_data_leave_open_stays_at_a_true_description() {
 #[test]
 fn rotors_that_no_description_has_leave_masses_as_they_are() {
     let rotor_kg_m2 = [0.95, 0.95, 0.0, 0.0, 0.0, 0.0];
-    let truth = links().map(|link| link.mass_kg);
-    let standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
+    let truth = masses();
+    let standard = ur10e().standard_parameters();
     for weight in [0.1, 1.0, KnownBodies::USUAL_WEIGHT] {
         let mut robot = KnownRobot::new(None);
         let mut clean = robot.clean(0, 16.0);

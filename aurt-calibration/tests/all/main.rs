@@ -4,6 +4,7 @@
 mod arm;
 mod comparison;
 mod consistent;
+mod coverage;
 mod drives;
 mod gains;
 #[path = "../../examples/knocks/mod.rs"]

@@ -1,7 +1,6 @@
 //! Weights by row: impacts do not count, intervals hold the truth, and without impacts estimates are those of least squares.
 
-use crate::knocks;
-use crate::known_robot;
+use crate::{knocks, known_robot};
 
 use aurt_calibration::{
     Calibration, CalibrationOptions, Deviations, Estimator, NamedRecording, TermScopes, accumulate,

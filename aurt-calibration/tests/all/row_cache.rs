@@ -4,8 +4,9 @@ use crate::arm;
 
 use arm::{Friction, RICH, model, named, recording};
 use aurt_calibration::{
-    Calibration, CalibrationOptions, Estimator, FitRows, JointMetrics, LoadTorqueChoice, Metrics,
-    NamedRecording, Rest, RigidRows, TermScopes, ValidatedRows, calibrate_rows, calibrate_scoped, validate,
+    Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, JointMetrics, LoadTorqueChoice,
+    Metrics, NamedRecording, Rest, RigidRows, ShapeOptions, TermScopes, ValidatedRows, calibrate_scoped,
+    calibrate_shapes_rows, validate,
 };
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::json;
@@ -56,6 +57,18 @@ fn models() -> Vec<RobotModel> {
     ]
 }
 
+/// The fit of a model, its shapes as they are, from shared rows.
+fn fitted(
+    model: &RobotModel,
+    rows: &FitRows<'_>,
+    scopes: &TermScopes,
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
+    let options = CalibrationOptions { fit_shapes: false, ..*options };
+    calibrate_shapes_rows(model, rows, scopes, UNIT, 10.0, &options, &ShapeOptions::default())
+        .map(|(_, calibration)| calibration)
+}
+
 fn close(a: f64, b: f64, scale: f64, what: &str) {
     assert!((a - b).abs() <= 1e-8 * scale.abs().max(1e-12), "{what}: {a} and {b}");
 }
@@ -96,7 +109,7 @@ fn a_fit_from_shared_rows_is_the_fit() {
         for model in models() {
             let rigid = RigidRows::new(&model, &recordings).unwrap();
             let rows = FitRows::new(&rigid, &[0, 2], options).unwrap();
-            let shared = calibrate_rows(&model, &rows, &everywhere, UNIT, 10.0, options).unwrap();
+            let shared = fitted(&model, &rows, &everywhere, options).unwrap();
             let streamed = calibrate_scoped(&model, &selected, &everywhere, UNIT, 10.0, options).unwrap();
             same(&shared, &streamed);
         }
@@ -114,14 +127,14 @@ fn a_fit_does_not_depend_on_which_models_were_fitted_before() {
         .map(|model| {
             let rigid = RigidRows::new(model, &recordings).unwrap();
             let rows = FitRows::new(&rigid, &[0, 2], &options).unwrap();
-            calibrate_rows(model, &rows, &everywhere, UNIT, 10.0, &options).unwrap()
+            fitted(model, &rows, &everywhere, &options).unwrap()
         })
         .collect();
     let rigid = RigidRows::new(&models()[0], &recordings).unwrap();
     let rows = FitRows::new(&rigid, &[0, 2], &options).unwrap();
     for _ in 0..2 {
         for (model, fresh) in models().iter().zip(&fresh).rev() {
-            let shared = calibrate_rows(model, &rows, &everywhere, UNIT, 10.0, &options).unwrap();
+            let shared = fitted(model, &rows, &everywhere, &options).unwrap();
             assert_eq!(format!("{shared:?}"), format!("{fresh:?}"));
         }
     }
@@ -135,7 +148,7 @@ fn terms_that_act_in_one_recording_only_do_so_here_too() {
     let options = CalibrationOptions::default();
     let rigid = RigidRows::new(model, &recordings).unwrap();
     let rows = FitRows::new(&rigid, &[0, 1, 2], &options).unwrap();
-    let shared = calibrate_rows(model, &rows, &scopes, UNIT, 10.0, &options).unwrap();
+    let shared = fitted(model, &rows, &scopes, &options).unwrap();
     let streamed = calibrate_scoped(model, &recordings, &scopes, UNIT, 10.0, &options).unwrap();
     same(&shared, &streamed);
 }
@@ -181,6 +194,6 @@ fn rows_of_another_robot_are_refused() {
     let other =
         RobotModel::new(turned.into(), model.base().clone(), model.stacks().to_vec(), Vec::new()).unwrap();
     let everywhere = TermScopes::everywhere();
-    assert!(calibrate_rows(&other, &rows, &everywhere, UNIT, 10.0, &options).is_err());
+    assert!(fitted(&other, &rows, &everywhere, &options).is_err());
     assert!(FitRows::new(&rigid, &[], &options).is_err());
 }

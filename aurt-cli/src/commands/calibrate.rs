@@ -1,34 +1,29 @@
 //! `aurt calibrate`: coefficients from recordings (paper, section II-C).
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use aurt::{
-    Role,
-    data::Source,
-    fitting::{Assigned, Detail},
-    origins::Origins,
-};
-use aurt_experiment::workbench::{
-    failure::Failure,
-    output::{OutputFile, Outputs, distinct},
-    streaming::{Bytes, TooLarge, fit_in_stretches},
-};
+use aurt::Role;
+use aurt::data::Source;
+use aurt::fitting::{Assigned, Detail};
+use aurt::origins::Origins;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFile, Outputs, distinct};
+use aurt_experiment::workbench::streaming::{Bytes, TooLarge, fit_in_stretches};
 use aurt_plugins::Registry;
-use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_robot_model};
-use aurt_report::results::{metrics::Results, parameters};
+use aurt_plugins::model::model_file::read_robot_model;
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_report::results::metrics::Results;
+use aurt_report::results::parameters;
 use aurt_traits::RobotModel;
 use clap::Args;
 use serde_json::json;
 
-use super::{
-    Session,
-    data_options::{FittingOptions, ReadingOptions},
-    run::written_text,
-};
-use crate::{
-    rendering::terminal::Report,
-    values::{Gravity, parse_gravity},
-};
+use super::Session;
+use super::data_options::{FittingOptions, ReadingOptions};
+use super::run::written_text;
+use crate::rendering::terminal::Report;
+use crate::values::{Gravity, parse_gravity};
 
 /// Calibrate robot dynamics on recordings.
 ///

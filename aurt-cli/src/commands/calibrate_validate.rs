@@ -3,33 +3,24 @@
 
 use std::path::PathBuf;
 
-use aurt::{
-    Role,
-    data::{Loaded, Source},
-    fitting::{Assigned, Detail},
-};
-use aurt_experiment::workbench::{
-    failure::Failure,
-    output::{OutputFile, Outputs, distinct},
-};
-use aurt_report::{
-    reports,
-    results::{metrics::Results, parameters},
-};
+use aurt::Role;
+use aurt::data::{Loaded, Source};
+use aurt::fitting::{Assigned, Detail};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFile, Outputs, distinct};
+use aurt_report::reports;
+use aurt_report::results::metrics::Results;
+use aurt_report::results::parameters;
 use clap::Args;
 use serde_json::json;
 
-use super::{
-    Session,
-    calibrate::model_under_gravity,
-    data_options::{FittingOptions, ReadingOptions},
-    plots::PlotOptions,
-    run::delivered,
-};
-use crate::{
-    rendering::terminal::Report,
-    values::{Gravity, parse_gravity, parse_share},
-};
+use super::Session;
+use super::calibrate::model_under_gravity;
+use super::data_options::{FittingOptions, ReadingOptions};
+use super::plots::PlotOptions;
+use super::run::delivered;
+use crate::rendering::terminal::Report;
+use crate::values::{Gravity, parse_gravity, parse_share};
 
 /// Calibrate on the first part of a recording and validate on the rest.
 ///

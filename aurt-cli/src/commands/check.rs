@@ -4,27 +4,21 @@ use std::path::PathBuf;
 
 use aurt_experiment::Experiment;
 use aurt_experiment::doctor::checkup::{Checkup, Given, Known, Question, check};
-use aurt_experiment::workbench::{
-    driving::check_drives,
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-};
+use aurt_experiment::workbench::driving::check_drives;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 
-use super::{
-    Session, checked_setup,
-    compile_rbd::ROWS,
-    data_options::ReadingOptions,
-    plots::PlotOptions,
-    run::{drawn_text, written_text},
-};
-use crate::{
-    rendering::terminal::Report,
-    values::{Gravity, choice, parse_gravity, parse_positive},
-};
+use super::compile_rbd::ROWS;
+use super::data_options::ReadingOptions;
+use super::plots::PlotOptions;
+use super::run::{drawn_text, written_text};
+use super::{Session, checked_setup};
+use crate::rendering::terminal::Report;
+use crate::values::{Gravity, choice, parse_gravity, parse_positive};
 
 /// Check recordings before calibrating on them.
 ///

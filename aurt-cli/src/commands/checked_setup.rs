@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use aurt::{RecordingResult, fitting::Assigned};
+use aurt::RecordingResult;
+use aurt::fitting::Assigned;
 use aurt_experiment::Experiment;
-use aurt_experiment::doctor::{
-    checkup::Checkup,
-    mistakes::{self, Examination, Subject},
-};
-use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
+use aurt_experiment::doctor::checkup::Checkup;
+use aurt_experiment::doctor::mistakes::{self, Examination, Subject};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFile;
 use aurt_plugins::Registry;
 use aurt_report::rendering::text::wrapped;
 use serde_json::json;

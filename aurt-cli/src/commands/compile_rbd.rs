@@ -1,23 +1,21 @@
 //! `aurt compile-rbd`: from modified Denavit–Hartenberg parameters to rigid-body dynamics (paper, section II-A).
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use aurt::file_contents;
-use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
-use aurt_plugins::model::{
-    BASE_PARAMETER_SEED, RigidBodyDynamics,
-    model_file::{read_base_parameters, rigid_body_to_json},
-};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFile;
+use aurt_plugins::model::model_file::{read_base_parameters, rigid_body_to_json};
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{MdhRows, MdhTable, SerialChain};
 use aurt_report::rendering::table::Table;
 use clap::Args;
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    rendering::terminal::Report,
-    values::{Choice, Gravity, choice, parse_gravity},
-};
+use crate::rendering::terminal::Report;
+use crate::values::{Choice, Gravity, choice, parse_gravity};
 
 /// Compile rigid-body dynamics from modified Denavit–Hartenberg parameters.
 ///

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use aurt::{
-    data::{Instrument, Preprocessing, Source},
-    fitting::Job,
-};
+use aurt::data::{Instrument, Preprocessing, Source};
+use aurt::fitting::Job;
 use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
 use aurt_experiment::experiment::numbered_columns;
 use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef, RecordedAs};

@@ -1,22 +1,22 @@
 //! `aurt demo`: the whole chain on recordings made for it.
 
-use std::{
-    io::ErrorKind,
-    path::{Path, PathBuf},
-};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{demo, failure::Failure, output::OutputFolder};
-use aurt_report::rendering::{number::significant, table::Table, text::wrapped};
+use aurt_experiment::workbench::demo;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFolder;
+use aurt_report::rendering::number::significant;
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{
-    Session,
-    diagnose::Diagnose,
-    run::{fit_experiment_watched, write_results},
-};
+use super::Session;
+use super::diagnose::Diagnose;
+use super::run::{fit_experiment_watched, write_results};
 use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.

@@ -7,26 +7,26 @@ use aurt_diagnosis::drives::STRUCTURES;
 use aurt_diagnosis::{Learnt, effects};
 use aurt_experiment::Experiment;
 use aurt_experiment::doctor::mistakes::{self, Examination, Subject};
-use aurt_experiment::workbench::{
-    described_model::{ChainEnds, GivenModel},
-    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
-    driving::{diagnose_drives, second_opinion},
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    results::{diagnosed_series, series::SeriesFormat},
-};
+use aurt_experiment::workbench::described_model::{ChainEnds, GivenModel};
+use aurt_experiment::workbench::diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment};
+use aurt_experiment::workbench::driving::{diagnose_drives, second_opinion};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
+use aurt_experiment::workbench::results::diagnosed_series;
+use aurt_experiment::workbench::results::series::SeriesFormat;
 use aurt_files::output::pretty;
 use aurt_plugins::{Registry, suggestion};
-use aurt_report::{rendering::text::wrapped, reports};
+use aurt_report::rendering::text::wrapped;
+use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions, run::write_drives};
-use crate::{
-    commands::run::{SERIES, drawn_text, written_text},
-    rendering::terminal::{Report, Terminal},
-    values::choice,
-};
+use super::Session;
+use super::plots::PlotOptions;
+use super::run::write_drives;
+use crate::commands::run::{SERIES, drawn_text, written_text};
+use crate::rendering::terminal::{Report, Terminal};
+use crate::values::choice;
 
 /// Locate the mismatch between a model and recordings, name the missing physics, and model it.
 ///

@@ -2,19 +2,16 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::workbench::{failure::Failure, planned_output::PlannedOutput};
-use aurt_simulation::{
-    Motion, Robot, Trajectory,
-    trajectory::{ExcitationOptions, MultiSineOptions, excite},
-};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::planned_output::PlannedOutput;
+use aurt_simulation::trajectory::{ExcitationOptions, MultiSineOptions, excite};
+use aurt_simulation::{Motion, Robot, Trajectory};
 use aurt_traits::RigidBodyRegressor;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{
-    Session,
-    planned_robot::{PlannedRobot, PlannedRobotOptions},
-};
+use super::Session;
+use super::planned_robot::{PlannedRobot, PlannedRobotOptions};
 use crate::rendering::terminal::Report;
 
 /// Plan motions for a robot, within its limits.

@@ -5,23 +5,17 @@ use aurt_diagnosis::effects;
 use aurt_experiment::workbench::failure::Failure;
 use aurt_friction::drives::{DriveListing, listings};
 use aurt_plugins::{ModelListing, suggestion};
-use aurt_report::{
-    glossary::{self, terms},
-    rendering::{
-        number::significant,
-        table::Table,
-        text::{wrapped_at, wrapped_with},
-    },
-};
+use aurt_report::glossary::{self, terms};
+use aurt_report::rendering::number::significant;
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::{wrapped_at, wrapped_with};
 use clap::Args;
 use serde_json::{Value, json};
 
 use aurt_traits::{CommandSignal, DriveParameter};
 
-use super::{
-    Session,
-    models::{describe, describe_drive},
-};
+use super::Session;
+use super::models::{describe, describe_drive};
 use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
 /// Columns of running text.

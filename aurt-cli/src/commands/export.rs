@@ -3,23 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    driving::CalibratedDrive,
-    exporting::{Format, Kind, ModelFile, Replaced, Target, correct, export},
-    failure::Failure,
-    output::OutputFolder,
-    read_back::{DURATION_S, TorqueDifference},
-};
+use aurt_experiment::workbench::driving::CalibratedDrive;
+use aurt_experiment::workbench::exporting::{Format, Kind, ModelFile, Replaced, Target, correct, export};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFolder;
+use aurt_experiment::workbench::read_back::{DURATION_S, TorqueDifference};
 use aurt_plugins::model::model_file::read_json;
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    rendering::terminal::{Emphasis, Report},
-    values::{Choice, choice},
-};
+use crate::rendering::terminal::{Emphasis, Report};
+use crate::values::{Choice, choice};
 
 /// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI, Isaac Lab.
 ///

@@ -4,20 +4,17 @@ use std::path::PathBuf;
 
 use aurt_calibration::KnownLoad;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    failure::Failure,
-    gains::{Question, drive_gains},
-    output::{OutputFolder, Outputs},
-};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::gains::{Question, drive_gains};
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
 use aurt_files::output::pretty;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, run::written_text};
-use crate::{
-    rendering::terminal::Report,
-    values::{Position, parse_not_negative, parse_position, parse_positive},
-};
+use super::Session;
+use super::run::written_text;
+use crate::rendering::terminal::Report;
+use crate::values::{Position, parse_not_negative, parse_position, parse_positive};
 
 /// Estimate the gains of the drives: their ratios from unloaded motion, the common factor from a load of known mass.
 ///

@@ -1,23 +1,24 @@
 //! `aurt init`: an experiment that runs, from a robot and its logs.
 
-use std::{io::BufRead, path::PathBuf};
+use std::io::BufRead;
+use std::path::PathBuf;
 
 use aurt_diagnosis::Role;
-use aurt_experiment::doctor::{
-    first_experiment::{Known, draft},
-    mistakes::Examination,
-};
-use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
-use aurt_rbd::{MdhRows, robots::Part};
+use aurt_experiment::doctor::first_experiment::{Known, draft};
+use aurt_experiment::doctor::mistakes::Examination;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFile;
+use aurt_rbd::MdhRows;
+use aurt_rbd::robots::Part;
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, compile_rbd::ROWS, data_options::ReadingOptions};
-use crate::{
-    rendering::terminal::{Report, can_ask, print_error},
-    values::{Constants, Gravity, choice, parse_gravity, parse_torque_constants},
-};
+use super::Session;
+use super::compile_rbd::ROWS;
+use super::data_options::ReadingOptions;
+use crate::rendering::terminal::{Report, can_ask, print_error};
+use crate::values::{Constants, Gravity, choice, parse_gravity, parse_torque_constants};
 
 /// Write an experiment for a robot and its logs.
 ///

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::workbench::{failure::Failure, output::OutputFolder};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFolder;
 use clap::Args;
 use clap_mangen::Man as Page;
 use serde_json::json;
 
-use super::{Session, run::written_text};
+use super::Session;
+use super::run::written_text;
 use crate::rendering::terminal::Report;
 
 /// Write manual pages, one for aurt and one for each command.

@@ -8,10 +8,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    rendering::terminal::Report,
-    values::{Choice, choice},
-};
+use crate::rendering::terminal::Report;
+use crate::values::{Choice, choice};
 
 /// Write a plugin with a model to start from.
 ///

@@ -4,17 +4,16 @@ use std::path::PathBuf;
 
 use aurt_diagnosis::{DeviationGoal, drives::STRUCTURES, effects};
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    described_model::{ChainEnds, GivenModel},
-    diagnosing::DiagnosisOptions,
-    failure::Failure,
-    next::{KeepOut, NextOptions, plan_next},
-    planned_output::PlannedOutput,
-};
+use aurt_experiment::workbench::described_model::{ChainEnds, GivenModel};
+use aurt_experiment::workbench::diagnosing::DiagnosisOptions;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::next::{KeepOut, NextOptions, plan_next};
+use aurt_experiment::workbench::planned_output::PlannedOutput;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, planned_robot::read_limits};
+use super::Session;
+use super::planned_robot::read_limits;
 use crate::rendering::terminal::Report;
 
 /// Plan the motion to record next: the one that decides what a diagnosis leaves open.

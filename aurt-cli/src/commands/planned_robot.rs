@@ -1,11 +1,10 @@
 //! The robot that `aurt excite` plans motions for: geometry and limits, each from where it is stated.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use aurt_experiment::workbench::{failure::Failure, table_file::TableFile};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::table_file::TableFile;
 use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, Parent, RobotDescription};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};
@@ -102,14 +101,14 @@ impl PlannedRobotOptions {
                 let notes = vec![format!("limits: those of {asked}, as it is simulated")];
                 Ok(PlannedRobot { robot, bodies: None, joint_names: Vec::new(), notes, knows_torques: true })
             }
-            (_, Some(known)) => self.of_description(&known.description(), known.name),
+            (_, Some(known)) => self.of_description(&known.description(), &known.name),
             (Ok(_), None) => Err(Failure::argument(
                 "--limits",
                 format!("{asked} is simulated with limits of its own"),
                 "leave `--limits` out, or give the geometry with `--mdh`",
             )),
             (Err(SimulationError::UnknownRobot { name, mut known }), None) => {
-                known.extend(KNOWN_ROBOTS.iter().map(|robot| robot.name.to_owned()));
+                known.extend(KNOWN_ROBOTS.iter().map(|robot| robot.name.clone()));
                 known.sort();
                 known.dedup();
                 Err(SimulationError::UnknownRobot { name, known }.into())

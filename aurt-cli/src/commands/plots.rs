@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::workbench::{failure::Failure, output::OutputFolder};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFolder;
 use clap::Args;
 
 /// Options of commands that write a report.

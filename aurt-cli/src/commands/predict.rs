@@ -1,25 +1,26 @@
 //! `aurt predict`: what a calibrated model says that a motion measures (paper, section II-D).
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use aurt::{CalibratedModel, data::Purpose, origins::hash_of_file};
+use aurt::CalibratedModel;
+use aurt::data::Purpose;
+use aurt::origins::hash_of_file;
 use aurt_calibration::extrapolations;
-use aurt_experiment::workbench::{
-    driving::CalibratedDrive,
-    failure::Failure,
-    output::OutputFile,
-    results::series::{Series, SeriesFormat},
-};
-use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_json};
+use aurt_experiment::workbench::driving::CalibratedDrive;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFile;
+use aurt_experiment::workbench::results::series::{Series, SeriesFormat};
+use aurt_plugins::model::model_file::read_json;
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, data_options::ReadingOptions};
-use crate::{
-    rendering::terminal::{Emphasis, Report},
-    values::{Gravity, parse_gravity},
-};
+use super::Session;
+use super::data_options::ReadingOptions;
+use crate::rendering::terminal::{Emphasis, Report};
+use crate::values::{Gravity, parse_gravity};
 
 /// Predict currents or torques of a motion.
 ///

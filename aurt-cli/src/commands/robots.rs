@@ -2,7 +2,8 @@
 
 use aurt_experiment::workbench::failure::Failure;
 use aurt_rbd::robots::{JointLimits, KNOWN_ROBOTS, KnownRobot};
-use aurt_report::rendering::{table::Table, text::wrapped_at};
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped_at;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -21,12 +22,12 @@ impl Robots {
     pub fn run(&self, _: &Session<'_>) -> Result<Report, Failure> {
         let mut table = Table::new(["name", "robot", "joints"]).left(2);
         let mut sources = String::new();
-        for robot in &KNOWN_ROBOTS {
-            table.row([robot.name.to_owned(), robot.title.to_owned(), robot.joints().to_string()]);
+        for robot in KNOWN_ROBOTS.iter() {
+            table.row([robot.name.clone(), robot.title.clone(), robot.joints().to_string()]);
             sources +=
                 &format!("{}\n", wrapped_at(&format!("{}: {}", robot.name, robot.source), WIDTH, "  "));
         }
-        let example = KNOWN_ROBOTS.last().map_or("", |robot| robot.name);
+        let example = KNOWN_ROBOTS.last().map_or("", |robot| &robot.name);
         let text = format!(
             "{}\nSources\n{sources}\nIn an experiment: [robot] name = \"{example}\"\n",
             table.render()

@@ -4,26 +4,24 @@ use std::path::{Path, PathBuf};
 
 use aurt::Outcome;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    driving::{DriveOutcome, fit_drives},
-    experiments::{fit_and_keep, fit_experiment, job},
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    results::series::{self, SeriesFormat},
-    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
-};
+use aurt_experiment::workbench::driving::{DriveOutcome, fit_drives};
+use aurt_experiment::workbench::experiments::{fit_and_keep, fit_experiment, job};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
+use aurt_experiment::workbench::results::series::{self, SeriesFormat};
+use aurt_experiment::workbench::streaming::{Bytes, TooLarge, fit_experiment_in_stretches};
 use aurt_files::output::pretty;
 use aurt_rbd::RobotDescription;
-use aurt_report::{
-    Page,
-    rendering::style::Style,
-    reports,
-    results::{metrics::Results, parameters},
-};
+use aurt_report::rendering::style::Style;
+use aurt_report::results::metrics::Results;
+use aurt_report::results::parameters;
+use aurt_report::{Page, reports};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Session, checked_setup::doubts, plots::PlotOptions};
+use super::Session;
+use super::checked_setup::doubts;
+use super::plots::PlotOptions;
 use crate::rendering::terminal::{Report, Terminal};
 use crate::values::{Choice, choice};
 

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use aurt_diagnosis::Prepared;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    reports::sensitivity::Answered,
-    sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
+use aurt_experiment::workbench::reports::sensitivity::Answered;
+use aurt_experiment::workbench::sensitivity::{
+    Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks,
 };
 use aurt_files::output::pretty;
 use aurt_report::reports;
@@ -16,7 +16,8 @@ use aurt_simulation::inject::{Kind, injectable};
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions};
+use super::Session;
+use super::plots::PlotOptions;
 use crate::rendering::terminal::Report;
 
 /// Find the smallest size of each effect that the experiment's recordings would show: "nothing is missing"

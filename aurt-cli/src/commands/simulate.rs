@@ -2,19 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt::{CalibratedModel, data::Purpose};
-use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
+use aurt::CalibratedModel;
+use aurt::data::Purpose;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::OutputFile;
 use aurt_recording::Segment;
-use aurt_simulation::{
-    ScenarioFile,
-    model::{ModelDrive, ModelMotion, MovingModel},
-    simulate,
-};
+use aurt_simulation::model::{ModelDrive, ModelMotion, MovingModel};
+use aurt_simulation::{ScenarioFile, simulate};
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, data_options::ReadingOptions};
-use crate::{rendering::terminal::Report, values::parse_positive};
+use super::Session;
+use super::data_options::ReadingOptions;
+use crate::rendering::terminal::Report;
+use crate::values::parse_positive;
 
 /// Simulate a calibrated model, or a robot with chosen effects.
 ///

@@ -3,21 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, run_point, slurm};
-use aurt_experiment::workbench::{
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    results::sweep_table,
-    sweeping::ExperimentLoader,
-};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
+use aurt_experiment::workbench::results::sweep_table;
+use aurt_experiment::workbench::sweeping::ExperimentLoader;
 use aurt_report::reports;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{
-    Session,
-    plots::PlotOptions,
-    run::{delivered, written_text},
-};
+use super::Session;
+use super::plots::PlotOptions;
+use super::run::{delivered, written_text};
 use crate::rendering::terminal::Report;
 use crate::values::word;
 

@@ -4,23 +4,23 @@ use std::path::PathBuf;
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    reports::track,
-    tracking::{Alarm, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of, track},
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::output::{OutputFolder, Outputs};
+use aurt_experiment::workbench::reports::track;
+use aurt_experiment::workbench::tracking::{
+    Alarm, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of, track,
 };
 use aurt_files::output::pretty;
 use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, data_options::JointOptions, plots::PlotOptions};
-use crate::{
-    commands::run::delivered,
-    rendering::terminal::{Report, print_error},
-    values::parse_positive,
-};
+use super::Session;
+use super::data_options::JointOptions;
+use super::plots::PlotOptions;
+use crate::commands::run::delivered;
+use crate::rendering::terminal::{Report, print_error};
+use crate::values::parse_positive;
 
 /// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
 ///

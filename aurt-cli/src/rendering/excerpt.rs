@@ -1,11 +1,9 @@
 //! The line of a file that a problem is about.
 
-use std::{
-    borrow::Cow,
-    io::{BufRead, BufReader, Read},
-    ops::Range,
-    path::Path,
-};
+use std::borrow::Cow;
+use std::io::{BufRead, BufReader, Read};
+use std::ops::Range;
+use std::path::Path;
 
 /// Characters shown on either side of the place, where a line is longer than fits.
 const CONTEXT: usize = 36;

@@ -1,10 +1,8 @@
 //! Failures as people read them, the place underlined, and as programs read them.
 
-use std::{
-    fmt,
-    io::ErrorKind,
-    path::{Path, PathBuf},
-};
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use aurt::Error as LibraryError;
 use aurt_experiment::workbench::failure::Failure;

@@ -1,16 +1,13 @@
 //! The progress of a command on standard error: a bar on a terminal, else a line from time to time.
 
-use std::{
-    io::{IsTerminal, Write},
-    sync::{
-        Arc, Mutex, PoisonError,
-        mpsc::{RecvTimeoutError, Sender, channel},
-    },
-    thread::JoinHandle,
-    time::{Duration, Instant},
-};
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
-use aurt::{Progress, progress::Observer};
+use aurt::Progress;
+use aurt::progress::Observer;
 use aurt_files::harmless;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 

@@ -1,11 +1,9 @@
 //! Where reports, notes and failures go, and whether they are coloured. Nothing else writes to standard output and error, so that
 //! no text of a file reaches a terminal with characters that command it.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    io::{self, IsTerminal, Write},
-    path::PathBuf,
-};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, IsTerminal, Write};
+use std::path::PathBuf;
 
 use aurt::Progress;
 use aurt_files::{harmless, harmless_json};

@@ -1,11 +1,9 @@
 //! As much of the DevTools protocol as looking at a page takes, over the two pipes of `--remote-debugging-pipe`:
 //! messages in JSON, each ended by a zero byte.
 
-use std::{
-    io::{BufRead, BufReader, Write},
-    path::{Path, PathBuf},
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
-};
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::{Value, json};
 use tempfile::TempDir;

@@ -3,10 +3,8 @@
 
 mod devtools;
 
-use std::{
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use devtools::Browser;
 use serde_json::Value;

@@ -1,15 +1,14 @@
 //! What hostile runs from outside have found, each once more.
 #![cfg(unix)]
 
-use std::{
-    ffi::OsString,
-    fs,
-    io::Read,
-    os::unix::{ffi::OsStringExt, fs::symlink},
-    path::Path,
-    process::{Command, Stdio},
-    time::{Duration, Instant},
-};
+use std::ffi::OsString;
+use std::fs;
+use std::io::Read;
+use std::os::unix::ffi::OsStringExt;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use crate::support::{DEMO, Folder, WHOLE_DEMO};
 

@@ -1,15 +1,16 @@
 //! Names that would command a terminal or turn the direction of writing, in everything that has a name: no command hands them on.
 
-use std::{collections::BTreeSet, fs, path::Path, process::Command};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
 
 use aurt_files::is_harmful;
 use serde_json::Value;
 
-use crate::{
-    names::{BagJoint, experiment, recorded},
-    programs::aurt,
-    support::Folder,
-};
+use crate::names::{BagJoint, experiment, recorded};
+use crate::programs::aurt;
+use crate::support::Folder;
 
 /// `ESC [ 38;5;15;8 m` sets a colour and hides what follows; U+202E turns it around; U+009B is `ESC [` in one character.
 const JOINTS: [BagJoint; 3] = [

@@ -5,11 +5,9 @@ mod entries;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use aurt::{
-    prelude::Robot,
-    recording::{JointTopic, mcap},
-    traits::Motion,
-};
+use aurt::prelude::Robot;
+use aurt::recording::{JointTopic, mcap};
+use aurt::traits::Motion;
 use serde_json::Value;
 
 use self::entries::{ENTRIES, Entry};

@@ -1,16 +1,12 @@
 //! Memory of commands on recordings of some tens of megabytes, against the rule of `docs/reliability.md`.
 
-use std::{
-    fmt::Write as _,
-    fs,
-    process::{Command, Stdio},
-    time::Duration,
-};
+use std::fmt::Write as _;
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
-use crate::{
-    programs::aurt,
-    support::{DEMO, Folder},
-};
+use crate::programs::aurt;
+use crate::support::{DEMO, Folder};
 
 /// Bytes for each number of the recordings, and bytes that every command takes.
 const ALLOWED: (u64, u64) = (250, 60 << 20);

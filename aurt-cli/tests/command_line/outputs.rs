@@ -1,9 +1,7 @@
 //! Outputs appear whole or not at all.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use crate::support::{DEMO, Folder, with_cell, with_line};
 

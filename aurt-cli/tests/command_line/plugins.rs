@@ -1,11 +1,9 @@
 //! A plugin that `aurt new-plugin` wrote is built, tests itself, and is then a model like any other.
 
-use std::{
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::support::{Folder, text};
 

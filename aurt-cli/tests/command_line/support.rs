@@ -1,12 +1,10 @@
 //! Running the command in a folder of its own.
 
-use std::{
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-    sync::LazyLock,
-};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::LazyLock;
 
 use aurt_lab::case::{Plan, World};
 use serde_json::Value;

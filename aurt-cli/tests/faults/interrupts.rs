@@ -1,19 +1,15 @@
 //! Commands that are ended at random moments: their results are whole or absent, and what goes on goes on to the same.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    os::unix::process::ExitStatusExt,
-    path::{Path, PathBuf},
-    process::{Command, Stdio},
-    time::{Duration, Instant},
-};
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
-use crate::{
-    bench::Bench,
-    damages::Draws,
-    subject::{COMMANDS, PREPARATIONS, aurt, program},
-};
+use crate::bench::Bench;
+use crate::damages::Draws;
+use crate::subject::{COMMANDS, PREPARATIONS, aurt, program};
 
 const CASES: &str = "[recordings]\n[nulls]\nrobots = [\"two_link\"]\ncount = 2\n";
 const PROOF: &str =

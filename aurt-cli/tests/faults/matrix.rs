@@ -4,24 +4,18 @@
 //! `cargo test --test faults` does a share of it; `AURT_FAULTS=all cargo test --release --test faults -- --nocapture` does
 //! all of it and prints its counts.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    os::unix::fs::symlink,
-    path::Path,
-    process::{Command, Stdio},
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
-    time::{Duration, Instant},
-};
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
-use crate::{
-    bench::Bench,
-    damages::{self, Damage, Draws},
-    subject::{INPUTS, Input, program},
-};
+use crate::bench::Bench;
+use crate::damages::{self, Damage, Draws};
+use crate::subject::{INPUTS, Input, program};
 
 /// Longest time that a command may take here.
 const LONGEST: Duration = Duration::from_secs(300);

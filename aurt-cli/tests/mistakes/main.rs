@@ -8,16 +8,12 @@
 
 mod usual;
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use aurt_lab::setups::{
-    Columns, Log, Setup, Units,
-    mistakes::{Cures, tells},
-};
+use aurt_lab::setups::mistakes::{Cures, tells};
+use aurt_lab::setups::{Columns, Log, Setup, Units};
 use aurt_rbd::{MdhRows, MdhTable};
 use rayon::prelude::*;
 use usual::{MISTAKES, Mistake};

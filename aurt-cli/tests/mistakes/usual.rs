@@ -3,11 +3,9 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use aurt_lab::setups::{
-    Columns::{self, Both, Measurements, Positions},
-    Geometry, Log, Setup,
-    mistakes::{Made, scale, told},
-};
+use aurt_lab::setups::Columns::{self, Both, Measurements, Positions};
+use aurt_lab::setups::mistakes::{Made, scale, told};
+use aurt_lab::setups::{Geometry, Log, Setup};
 
 pub struct Mistake {
     pub what: &'static str,

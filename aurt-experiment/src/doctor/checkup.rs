@@ -1,36 +1,28 @@
 //! What recordings are good for, before anyone calibrates on them, and which usual mistakes of the setup they show.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
+use crate::Experiment;
+use crate::experiment::Recordings;
 use crate::workbench::failure::Failure;
-use crate::{Experiment, experiment::Recordings};
-use aurt::{
-    Role,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
-    duplicates::SampleRegister,
-    fitting::Assigned,
-};
+use aurt::Role;
+use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
+use aurt::duplicates::SampleRegister;
+use aurt::fitting::Assigned;
 use aurt_plugins::Registry;
 use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{MdhTable, RobotDescription};
 use aurt_recording::{Recording, RobotJoints};
-use aurt_report::{
-    Page,
-    rendering::{
-        style::{Emphasis, Style},
-        text::wrapped,
-    },
-};
+use aurt_report::Page;
+use aurt_report::rendering::style::{Emphasis, Style};
+use aurt_report::rendering::text::wrapped;
 use aurt_traits::{MeasurementUnit, RigidBodyRegressor, RobotNames};
 use serde_json::{Value, json};
 
-use crate::doctor::{
-    inspection::{
-        inspected::{Inspected, Reading, rest},
-        judged::{Judged, plain_friction},
-    },
-    mistakes::{self, Examination, Subject},
-};
+use crate::doctor::inspection::inspected::{Inspected, Reading, rest};
+use crate::doctor::inspection::judged::{Judged, plain_friction};
+use crate::doctor::mistakes::{self, Examination, Subject};
 
 #[derive(Debug, Clone, Copy)]
 pub enum Known<'a> {

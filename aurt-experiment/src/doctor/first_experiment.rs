@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::Experiment;
 use crate::workbench::failure::Failure;
-use aurt::{
-    Error,
-    data::{Loaded, Preprocessing, Purpose, Source},
-    duplicates::{SampleRegister, UsedSeries},
-};
+use aurt::Error;
+use aurt::data::{Loaded, Preprocessing, Purpose, Source};
+use aurt::duplicates::{SampleRegister, UsedSeries};
 use aurt_calibration::Rest;
 use aurt_diagnosis::Role;
 use aurt_files::escaped;
@@ -19,10 +17,8 @@ use aurt_recording::RobotJoints;
 use aurt_traits::MeasurementUnit;
 use toml_edit::Value;
 
-use crate::doctor::{
-    inspection::inspected::{Inspected, Reading},
-    mistakes::{self, Examination, Subject, median_period_s},
-};
+use crate::doctor::inspection::inspected::{Inspected, Reading};
+use crate::doctor::mistakes::{self, Examination, Subject, median_period_s};
 
 /// Share of a single recording that calibrates.
 const CALIBRATED_SHARE: f64 = 0.7;
@@ -111,7 +107,7 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
 fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     let robot = known.robot.as_str();
     if let Some(named) = known_robot(robot) {
-        let line = format!("name = {}\n", quoted(named.name));
+        let line = format!("name = {}\n", quoted(&named.name));
         return Ok(Arm { line, joints: of(&named.description()), is_table: false });
     }
     let file = Path::new(robot);

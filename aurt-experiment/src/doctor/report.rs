@@ -1,18 +1,17 @@
 //! The page of a recording: `aurt check --out`.
 
 use aurt_files::output::pretty;
+use aurt_report::rendering::number::significant;
+use aurt_report::reports::figures::{Series, TimeFigure, file_name, points_per_series};
+use aurt_report::reports::parts::{self, joint_column};
 use aurt_report::{
     Axis, BarGroup, Bars, Block, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone,
-    Verdict,
-    rendering::number::significant,
-    reports::{
-        figures::{Series, TimeFigure, file_name, points_per_series},
-        parts::{self, joint_column},
-    },
-    subsample,
+    Verdict, subsample,
 };
 
-use crate::doctor::inspection::{inspected::Inspected, joints::tables, judged::Judged};
+use crate::doctor::inspection::inspected::Inspected;
+use crate::doctor::inspection::joints::tables;
+use crate::doctor::inspection::judged::Judged;
 use crate::workbench::reports::section;
 
 /// The column of the motion that says how long a joint moves.

@@ -2,7 +2,8 @@ use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
 use aurt_plugins::Node;
 use aurt_traits::KnownBodies;
 
-use super::{robot::Robot, section::Section};
+use super::robot::Robot;
+use super::section::Section;
 
 /// `[calibration]`: how the coefficients are found, and the weight of `prior = "description"`. All keys are optional.
 ///

@@ -2,7 +2,8 @@
 
 use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef};
 
-use super::{errors::Complaint, section::Section};
+use super::errors::Complaint;
+use super::section::Section;
 use aurt_plugins::{Node, NodeKind};
 
 /// Columns by number: two are the first and the last, others one for each joint.

@@ -1,4 +1,5 @@
-use std::{collections::BTreeMap, ops::Range};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 use aurt_calibration::drives::{DrivenJoint, Floor, Mechanics, Selection};
 use aurt_plugins::{Node, NodeKind};

@@ -1,4 +1,6 @@
-use std::{borrow::Borrow, fmt, path::PathBuf};
+use std::borrow::Borrow;
+use std::fmt;
+use std::path::PathBuf;
 
 use aurt_plugins::{BuildError, Span};
 use thiserror::Error;

@@ -1,11 +1,10 @@
-use aurt_plugins::{Node, NodeKind, suggestion::likely};
+use aurt_plugins::suggestion::likely;
+use aurt_plugins::{Node, NodeKind};
 use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
 
-use super::{
-    columns::columns,
-    recorded_as::{self, UNITS},
-    section::Section,
-};
+use super::columns::columns;
+use super::recorded_as::{self, UNITS};
+use super::section::Section;
 
 const QUANTITIES: [(&str, Quantity); 3] = [
     ("measurement", Quantity::Measurement),

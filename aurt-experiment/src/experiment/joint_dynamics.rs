@@ -2,11 +2,9 @@ use aurt_plugins::{Node, Registry, SlotModel};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, ModelError, Slot, ViscousBasis};
 use serde_json::json;
 
-use super::{
-    errors::Complaint,
-    joint_count::{JointCheck, repeated},
-    section::{Reader, Section},
-};
+use super::errors::Complaint;
+use super::joint_count::{JointCheck, repeated};
+use super::section::{Reader, Section};
 
 /// `[joint_dynamics]`: the friction of every joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇) (equation 6), with
 /// exceptions for some.

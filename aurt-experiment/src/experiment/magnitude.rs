@@ -3,7 +3,8 @@
 use aurt_files::clipped;
 use aurt_plugins::{Node, NodeKind};
 
-use super::{errors::Complaint, section::Reader};
+use super::errors::Complaint;
+use super::section::Reader;
 
 /// Ends of keys with the least and the greatest magnitude of their numbers; zero is always possible. The last row is that of all
 /// other keys: products of some such numbers and their inverses stay finite.

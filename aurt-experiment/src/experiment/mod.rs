@@ -29,19 +29,15 @@ use aurt_recording::PreprocessOptions;
 use aurt_traits::ArmTerm;
 use toml::de::DeTable;
 
-pub use self::{
-    columns::numbered_columns,
-    drive::Drive,
-    errors::{Complaint, ExperimentErrors, Problem},
-    geometry::Geometry,
-    joint_dynamics::{JointDynamics, JointOverride},
-    recordings::{Recordings, place_among},
-    robot::Robot,
-};
-use self::{
-    joint_count::JointCheck,
-    section::{Reader, Section},
-};
+pub use self::columns::numbered_columns;
+pub use self::drive::Drive;
+pub use self::errors::{Complaint, ExperimentErrors, Problem};
+pub use self::geometry::Geometry;
+use self::joint_count::JointCheck;
+pub use self::joint_dynamics::{JointDynamics, JointOverride};
+pub use self::recordings::{Recordings, place_among};
+pub use self::robot::Robot;
+use self::section::{Reader, Section};
 use crate::Error;
 use aurt_plugins::{Node, NodeKind, Registry};
 

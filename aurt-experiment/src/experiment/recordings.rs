@@ -1,15 +1,14 @@
 use std::path::PathBuf;
 
-use aurt::{Role, data::Source};
+use aurt::Role;
+use aurt::data::Source;
 use aurt_plugins::{Node, NodeKind};
 use aurt_recording::ColumnSelection;
 
-use super::{
-    columns::columns,
-    joined,
-    recorded_as::{self, UNITS},
-    section::{Reader, Section},
-};
+use super::columns::columns;
+use super::joined;
+use super::recorded_as::{self, UNITS};
+use super::section::{Reader, Section};
 
 /// `[recordings]`: files by what they are for. A recording is a file name, or a table with `file` and what has to be said about it.
 #[derive(Debug, Clone, Default)]

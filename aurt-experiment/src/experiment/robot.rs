@@ -7,7 +7,10 @@ use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint}
 use aurt_recording::RobotJoints;
 use aurt_traits::RigidBodyRegressor;
 
-use super::{errors::Complaint, geometry::Geometry, recorded_as, section::Section};
+use super::errors::Complaint;
+use super::geometry::Geometry;
+use super::recorded_as;
+use super::section::Section;
 
 /// `[robot]`: the arm itself.
 #[derive(Debug, Clone, PartialEq)]

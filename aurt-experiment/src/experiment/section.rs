@@ -1,15 +1,15 @@
 //! Reading the tables of an experiment: typed, with every complaint collected at its place.
 
-use std::{
-    cell::RefCell,
-    path::{Path, PathBuf},
-};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
 
 use aurt_files::clipped;
 use aurt_plugins::{Node, NodeKind, Span, suggestion};
 use aurt_recording::is_recording_folder;
 
-use super::{errors::Complaint, joint_count::JointCheck, paths};
+use super::errors::Complaint;
+use super::joint_count::JointCheck;
+use super::paths;
 
 /// Unknown keys of one table that are complained about; whoever has more has another problem than a slip of the pen.
 const MOST_UNKNOWN_KEYS: usize = 50;

@@ -4,10 +4,8 @@ use std::path::{Path, PathBuf};
 
 use aurt_files::escaped;
 use aurt_plugins::Span;
-use toml::{
-    Table, Value,
-    de::{DeTable, DeValue},
-};
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
 
 /// Makes the relative paths of an experiment absolute, so that it means the same from any folder. Paths that begin with
 /// an environment variable stay as they are.

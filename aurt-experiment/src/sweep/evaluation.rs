@@ -5,12 +5,10 @@ use aurt_calibration::{FitRows, JudgedRow, TermScopes, calibrate_shapes_rows};
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
-use crate::sweep::{
-    Loader, Point, PointError,
-    family::{SharedRows, point_model},
-    loading::Settings,
-    result::{Evaluation, Fold, JointErrors, Judged},
-};
+use crate::sweep::family::{SharedRows, point_model};
+use crate::sweep::loading::Settings;
+use crate::sweep::result::{Evaluation, Fold, JointErrors, Judged};
+use crate::sweep::{Loader, Point, PointError};
 
 /// Fits a point's model and judges it.
 pub(crate) fn evaluate(

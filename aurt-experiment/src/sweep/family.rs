@@ -6,7 +6,9 @@ use aurt_plugins::model::{Error, RigidBodyDynamics};
 use aurt_traits::{MeasurementUnit, RobotModel};
 use toml::Table;
 
-use crate::sweep::{Loader, Point, PointError, definition::Validate, loading::Data};
+use crate::sweep::definition::Validate;
+use crate::sweep::loading::Data;
+use crate::sweep::{Loader, Point, PointError};
 
 /// What of an experiment does not touch the rows of the rigid bodies: points that differ in nothing else share them.
 const FREE_SECTIONS: [&str; 3] = ["joint_dynamics", "arm_terms", "plugins"];

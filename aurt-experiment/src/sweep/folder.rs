@@ -12,22 +12,18 @@
 //! half of one, and the results of others stay. After a power failure a file that the disk lost is a result that is not
 //! there, and is made again; so is a result that no longer has its checksum.
 
-use std::{
-    collections::BTreeSet,
-    fs::{self, File, TryLockError},
-    io::ErrorKind,
-    path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
-};
+use std::collections::BTreeSet;
+use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use aurt_files::output::{STAGED, clear_unfinished, write_file_unsynced};
 use serde::Serialize;
 
-use crate::sweep::{
-    Sweep, SweepError,
-    plan::{self, Plan},
-    result::{Outcome, PointResult},
-};
+use crate::sweep::plan::{self, Plan};
+use crate::sweep::result::{Outcome, PointResult};
+use crate::sweep::{Sweep, SweepError};
 
 const PLAN: &str = "sweep.json";
 const LOCK: &str = "lock";

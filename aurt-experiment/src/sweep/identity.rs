@@ -1,17 +1,16 @@
 //! What a result depends on, as a hash.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    path::{Path, PathBuf},
-    sync::{Mutex, OnceLock},
-};
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock};
 
 use crate::Experiment;
 use aurt_plugins::Registry;
 use blake3::Hasher;
 use serde_json::Value;
 
-use crate::sweep::{SweepError, definition::Validate};
+use crate::sweep::SweepError;
+use crate::sweep::definition::Validate;
 
 const VERSION: &str = "aurt sweep result 1";
 

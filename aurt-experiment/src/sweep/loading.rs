@@ -2,7 +2,8 @@ use crate::Experiment;
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
 use aurt_traits::MeasurementUnit;
 
-use crate::sweep::{PointError, definition::Validate};
+use crate::sweep::PointError;
+use crate::sweep::definition::Validate;
 
 /// The recordings of an experiment, preprocessed.
 #[derive(Debug, Clone)]

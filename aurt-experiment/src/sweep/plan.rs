@@ -7,11 +7,9 @@ use aurt_plugins::Registry;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::{
-    Point, Sweep, SweepError,
-    definition::Validate,
-    identity::{Digests, key},
-};
+use crate::sweep::definition::Validate;
+use crate::sweep::identity::{Digests, key};
+use crate::sweep::{Point, Sweep, SweepError};
 
 pub const SCHEMA: u32 = 1;
 

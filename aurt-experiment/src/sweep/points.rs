@@ -6,12 +6,10 @@ use crate::{Complaint, Experiment, ExperimentErrors, Problem};
 use aurt_plugins::{Node, Registry, Span};
 use toml::Table;
 
-use crate::sweep::{
-    SweepError,
-    definition::{Definition, Setting, Step, Validate},
-    documents::{make_absolute, path_at},
-    place::{brief, to_toml},
-};
+use crate::sweep::SweepError;
+use crate::sweep::definition::{Definition, Setting, Step, Validate};
+use crate::sweep::documents::{make_absolute, path_at};
+use crate::sweep::place::{brief, to_toml};
 
 /// A sweep: an experiment and the points that its `[sweep]` makes of it.
 #[derive(Debug, Clone)]

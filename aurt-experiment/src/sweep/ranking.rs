@@ -3,11 +3,9 @@
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
-use crate::sweep::{
-    Folder, Plan,
-    comparison::{holm, paired, paired_overall},
-    result::{Evaluation, JointErrors, Outcome, Rows},
-};
+use crate::sweep::comparison::{holm, paired, paired_overall};
+use crate::sweep::result::{Evaluation, JointErrors, Outcome, Rows};
+use crate::sweep::{Folder, Plan};
 
 /// Differences count as explained by noise unless that has a probability below this, over all comparisons of a column
 /// of the table together.

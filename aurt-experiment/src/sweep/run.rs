@@ -1,25 +1,21 @@
 //! Running points: on all cores, each result kept as soon as it is there.
 
-use std::{
-    any::Any,
-    collections::BTreeMap,
-    panic::{AssertUnwindSafe, catch_unwind},
-    path::Path,
-    sync::{Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
-};
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::Experiment;
 use aurt_plugins::Registry;
 use rayon::prelude::*;
 
-use crate::sweep::{
-    Folder, Loader, Plan, Point, PointError, Sweep, SweepError,
-    definition::Validate,
-    evaluation::evaluate,
-    family::{SharedRows, common_part, with_shared_rows},
-    result::Outcome,
-};
+use crate::sweep::definition::Validate;
+use crate::sweep::evaluation::evaluate;
+use crate::sweep::family::{SharedRows, common_part, with_shared_rows};
+use crate::sweep::result::Outcome;
+use crate::sweep::{Folder, Loader, Plan, Point, PointError, Sweep, SweepError};
 
 /// What is told while points are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,9 @@
 //! Points as jobs of a Slurm array, each `aurt sweep point N`.
 
-use std::{
-    ffi::OsString,
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::sweep::{Folder, SweepError};
 

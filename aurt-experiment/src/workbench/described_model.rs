@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use crate::{Experiment, experiment::Geometry};
-use aurt::{CalibratedModel, origins::Origins};
+use crate::Experiment;
+use crate::experiment::Geometry;
+use aurt::CalibratedModel;
+use aurt::origins::Origins;
 use aurt_calibration::{CalibratedParameter, Calibration, JointRange};
 use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
@@ -12,7 +14,8 @@ use aurt_rbd::{RobotDescription, carry_over};
 use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
 
-use crate::workbench::{experiments::check_robot_of, failure::Failure};
+use crate::workbench::experiments::check_robot_of;
+use crate::workbench::failure::Failure;
 
 /// What a description may leave of a joint's torque in the experiment's geometry, over that torque: lengths rounded to a
 /// millimetre leave less, another arm leaves tens of percent.

@@ -3,31 +3,26 @@
 use std::path::{Path, PathBuf};
 
 use crate::{Complaint, Experiment, ExperimentErrors};
-use aurt::{
-    Asked, CalibratedModel, Diagnoser, Part, Progress, Settings,
-    data::{Loaded, Purpose, Source},
-};
+use aurt::data::{Loaded, Purpose, Source};
+use aurt::{Asked, CalibratedModel, Diagnoser, Part, Progress, Settings};
 use aurt_diagnosis::{
     Improvement, Investigation, Learnt, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, from_folder, improved_experiment, improvement, series, with_file_names,
 };
 use aurt_plugins::{Entry, Node, NodeKind, Registry};
 use aurt_recording::{RobotJoints, Stretches};
-use aurt_report::{
-    Page,
-    rendering::{joints::with_names, style::Style},
-    reports::diagnosis::{Diagnosed, arm, notes},
-    results::verdict::Shown,
-};
+use aurt_report::Page;
+use aurt_report::rendering::joints::with_names;
+use aurt_report::rendering::style::Style;
+use aurt_report::reports::diagnosis::{Diagnosed, arm, notes};
+use aurt_report::results::verdict::Shown;
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Value, json};
 
-use crate::workbench::{
-    experiments::{fit_experiment, with_window},
-    failure::Failure,
-    results::diagnosed_series::DiagnosedSeries,
-    simulated,
-};
+use crate::workbench::experiments::{fit_experiment, with_window};
+use crate::workbench::failure::Failure;
+use crate::workbench::results::diagnosed_series::DiagnosedSeries;
+use crate::workbench::simulated;
 
 #[derive(Debug, Clone, Default)]
 pub struct DiagnosisOptions {

@@ -1,12 +1,10 @@
 //! The fit that an experiment asks for, and whether a model is of its robot.
 
 use crate::Experiment;
-use aurt::{
-    CalibratedModel, Outcome, Progress,
-    data::Loaded,
-    fitting::{Assigned, Detail, Job},
-    origins::Origins,
-};
+use aurt::data::Loaded;
+use aurt::fitting::{Assigned, Detail, Job};
+use aurt::origins::Origins;
+use aurt::{CalibratedModel, Outcome, Progress};
 use aurt_calibration::TermScopes;
 use aurt_rbd::geometry_difference;
 use aurt_recording::{PreprocessOptions, Recording, RecordingError, RobotJoints};

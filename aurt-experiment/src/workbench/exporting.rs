@@ -1,18 +1,14 @@
 //! Calibrated models as sources and files of other programs.
 
-use std::{
-    fs::File,
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
-use aurt_export::{
-    Check, Export, Provenance, Source, c,
-    fmu::{self, Fmu},
-    into::{self, Corrected, Original},
-    mjcf, rust, sdf, urdf,
-};
-pub use aurt_export::{fmu::Kind, into::Format};
+pub use aurt_export::fmu::Kind;
+use aurt_export::fmu::{self, Fmu};
+pub use aurt_export::into::Format;
+use aurt_export::into::{self, Corrected, Original};
+use aurt_export::{Check, Export, Provenance, Source, c, mjcf, rust, sdf, urdf};
 use aurt_plugins::Registry;
 use aurt_plugins::model::model_file::read_json;
 use aurt_rbd::robots::{Part, RobotError};
@@ -20,11 +16,9 @@ use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
 
-use crate::workbench::{
-    failure::Failure,
-    output::OutputFolder,
-    read_back::{TorqueDifference, WrittenDescription, torque_differences},
-};
+use crate::workbench::failure::Failure;
+use crate::workbench::output::OutputFolder;
+use crate::workbench::read_back::{TorqueDifference, WrittenDescription, torque_differences};
 use aurt::CalibratedModel;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

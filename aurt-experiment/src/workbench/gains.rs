@@ -1,13 +1,16 @@
 //! Gains of the drives from an experiment: ratios from unloaded motion, the common factor from a load of known mass.
 
 use crate::Experiment;
-use aurt::{Progress, data::Purpose, duplicates::SampleRegister};
+use aurt::Progress;
+use aurt::data::Purpose;
+use aurt::duplicates::SampleRegister;
 use aurt_calibration::{Decided, Gain, Gains, GainsOf, KnownLoad, with_deviation};
 use aurt_report::rendering::table::Table;
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
-use crate::workbench::{experiments, failure::Failure};
+use crate::workbench::experiments;
+use crate::workbench::failure::Failure;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {

@@ -1,15 +1,15 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use crate::{Experiment, experiment::Geometry};
-use aurt::{data::Purpose, duplicates::SampleRegister};
+use crate::Experiment;
+use crate::experiment::Geometry;
+use aurt::data::Purpose;
+use aurt::duplicates::SampleRegister;
 use aurt_files::escaped;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
-use crate::workbench::{
-    experiments::{undone, windowed, with_window},
-    failure::Failure,
-};
+use crate::workbench::experiments::{undone, windowed, with_window};
+use crate::workbench::failure::Failure;
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
 pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {

@@ -2,11 +2,9 @@
 //! command may write there until this one has ended, and what a killed one left there is cleared away; results appear
 //! together or not at all.
 
-use std::{
-    fs,
-    io::ErrorKind,
-    path::{Path, PathBuf},
-};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use aurt_files::output::{
     Claim, Output, WriteError, clear_unfinished, folder_of, is_named_pipe, is_special, write_file,

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use aurt_files::clipped;
 
-use crate::workbench::{failure::Failure, table_file::TableFile};
+use crate::workbench::failure::Failure;
+use crate::workbench::table_file::TableFile;
 
 /// Prefixes of the columns that hold a prediction, in order of preference.
 const PREFIXES: [&str; 6] =

@@ -1,20 +1,21 @@
 //! Calibration on recordings that are read in stretches, in memory that does not grow with their length.
 
-use std::{fmt, path::Path, str::FromStr};
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
 
 use crate::Experiment;
-use aurt::{
-    CalibratedModel, Progress, RecordingResult, Role,
-    data::Source,
-    duplicates::Likeness,
-    fitting::{Job, Outcome},
-    origins::{Origins, hash_of_file},
-};
+use aurt::data::Source;
+use aurt::duplicates::Likeness;
+use aurt::fitting::{Job, Outcome};
+use aurt::origins::{Origins, hash_of_file};
+use aurt::{CalibratedModel, Progress, RecordingResult, Role};
 use aurt_calibration::{Comparison, calibrate_long, shapes_of, validate_long};
 use aurt_recording::{LongPrepared, LongRecording, RecordingError};
 use aurt_traits::MeasurementUnit;
 
-use crate::workbench::{experiments, failure::Failure};
+use crate::workbench::experiments;
+use crate::workbench::failure::Failure;
 
 /// Memory that whole recordings take at most, per byte of their files (`docs/reliability.md`).
 const MEMORY_PER_BYTE: u64 = 8;

@@ -2,12 +2,10 @@
 
 use crate::Experiment;
 use crate::sweep::{Data, Loader, PointError, Settings, Validate};
-use aurt::{
-    Error, Role,
-    data::{Loaded, Purpose, Source},
-    duplicates::SampleRegister,
-    fitting::judged_rows,
-};
+use aurt::data::{Loaded, Purpose, Source};
+use aurt::duplicates::SampleRegister;
+use aurt::fitting::judged_rows;
+use aurt::{Error, Role};
 use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
 
 #[derive(Debug, Clone, Copy)]

@@ -1,11 +1,14 @@
 //! Whatever an experiment's text is, reading it gives an experiment or problems, and every problem can be shown.
 
-use std::{fs, path::Path, sync::OnceLock};
+use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
 
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_plugins::model::model_file;
-use proptest::{prelude::*, sample::Index};
+use proptest::prelude::*;
+use proptest::sample::Index;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 

@@ -2,7 +2,8 @@
 
 #![expect(clippy::expect_used, reason = "a test fails by panicking")]
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt::data::Source;
 use aurt_calibration::{Estimator, LoadTorqueChoice, Rest};

@@ -9,11 +9,9 @@ use std::fmt::Write;
 
 use aurt_rbd::SerialChain;
 
-use crate::{
-    Export, ExportError, Source,
-    naming::check_identifier,
-    program::{self, Check, filled, list, tables},
-};
+use crate::naming::check_identifier;
+use crate::program::{self, Check, filled, list, tables};
+use crate::{Export, ExportError, Source};
 
 /// The C of a model, with a program that compares it with `checks`.
 ///

@@ -5,11 +5,9 @@ use std::fmt::Write;
 use aurt_rbd::{JointKind, SerialChain};
 use aurt_traits::MeasurementUnit;
 
-use crate::{
-    Source,
-    naming::{c_string, for_comment},
-    program::{Body, Function, Language, Program, Tunable},
-};
+use crate::Source;
+use crate::naming::{c_string, for_comment};
+use crate::program::{Body, Function, Language, Program, Tunable};
 
 pub(super) fn comment(lines: &[String]) -> String {
     let mut text = String::from("/*\n");

@@ -2,7 +2,8 @@
 
 use std::io::{Cursor, Write};
 
-use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 use super::{FMI, Kind};
 use crate::{ExportError, Source};

@@ -2,11 +2,10 @@
 
 use std::fmt::Write;
 
-use super::{
-    FMI, Kind,
-    variables::{Role, Variable, Variables},
-};
-use crate::{Source, naming::attribute};
+use super::variables::{Role, Variable, Variables};
+use super::{FMI, Kind};
+use crate::Source;
+use crate::naming::attribute;
 
 /// Exponents of SI units, for units that importers may convert; others are words to them.
 fn base_unit(unit: &str) -> &'static str {

@@ -12,12 +12,10 @@ mod variables;
 
 use aurt_traits::MeasurementUnit;
 
-use crate::{
-    ExportError, Source,
-    c::{RANGES, text},
-    naming::check_identifier,
-    program::{Tunable, tunable_step},
-};
+use crate::c::{RANGES, text};
+use crate::naming::check_identifier;
+use crate::program::{Tunable, tunable_step};
+use crate::{ExportError, Source};
 use variables::Variables;
 
 /// What a unit computes.

@@ -6,10 +6,8 @@ use aurt_rbd::{JointKind, SerialChain};
 use aurt_traits::MeasurementUnit;
 
 use super::Kind;
-use crate::{
-    naming::joint_names,
-    program::{Tunable, literal},
-};
+use crate::naming::joint_names;
+use crate::program::{Tunable, literal};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {

@@ -1,6 +1,7 @@
 //! Changes of a text at the places of its elements; all else stays byte for byte.
 
-use std::{fmt::Write, ops::Range};
+use std::fmt::Write;
+use std::ops::Range;
 
 use roxmltree::Node;
 

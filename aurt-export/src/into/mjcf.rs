@@ -5,11 +5,11 @@ use aurt_rbd::robots::{DescribedRobot, PlacedJoint};
 use aurt_rbd::{LinkBody, SerialChain};
 use roxmltree::Node;
 
-use super::{SAME_CHAIN, edits::Edits};
-use crate::{
-    ExportError,
-    mjcf::{body::numbers, joint::JointDynamics},
-};
+use super::SAME_CHAIN;
+use super::edits::Edits;
+use crate::ExportError;
+use crate::mjcf::body::numbers;
+use crate::mjcf::joint::JointDynamics;
 
 /// Orientations of an inertial: the inertia is written along the axes of the body.
 const TURNS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];

@@ -15,12 +15,10 @@ use aurt_rbd::robots::{DescribedRobot, Part, PlacedBody, PlacedLink, placed_link
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody, SerialChain, inconsistencies};
 use roxmltree::{Document, ParsingOptions};
 
-use crate::{
-    ExportError, Source,
-    mjcf::joint::dynamics,
-    source::{frames, heading},
-    urdf::{rotors_lost, springs_lost},
-};
+use crate::mjcf::joint::dynamics;
+use crate::source::{frames, heading};
+use crate::urdf::{rotors_lost, springs_lost};
+use crate::{ExportError, Source};
 use edits::Edits;
 
 /// How far the chain of the file may be from that of the model: m, and entries of rotations.

@@ -5,7 +5,8 @@ use aurt_rbd::robots::PlacedJoint;
 use roxmltree::Node;
 
 use super::edits::Edits;
-use crate::mjcf::{body::numbers, joint::JointDynamics};
+use crate::mjcf::body::numbers;
+use crate::mjcf::joint::JointDynamics;
 
 fn child<'a, 'x>(node: Node<'a, 'x>, name: &str) -> Option<Node<'a, 'x>> {
     node.children().find(|c| c.is_element() && c.tag_name().name() == name)

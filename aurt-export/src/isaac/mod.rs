@@ -7,10 +7,8 @@ use std::fmt::Write;
 
 use aurt_rbd::SerialChain;
 
-use crate::{
-    Export, ExportError,
-    naming::{attribute, check_identifier, joint_names},
-};
+use crate::naming::{attribute, check_identifier, joint_names};
+use crate::{Export, ExportError};
 
 /// A joint with its drive in Isaac Lab's words.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

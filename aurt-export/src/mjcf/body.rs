@@ -5,7 +5,8 @@ use std::fmt::Write;
 use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, SerialChain};
 
 use super::joint::JointDynamics;
-use crate::{ExportError, source::frames};
+use crate::ExportError;
+use crate::source::frames;
 
 /// Radius of the shapes, as a share of their length and at most, m.
 const SLENDER: f64 = 0.15;

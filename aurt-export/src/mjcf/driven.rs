@@ -6,11 +6,11 @@ use aurt_rbd::SerialChain;
 use aurt_traits::CommandSignal;
 use serde_json::{Value, json};
 
-use super::{HOLDS, body, body::numbers, joint::JointDynamics};
-use crate::{
-    Export, ExportError,
-    naming::{attribute, check_identifier, joint_names},
-};
+use super::body::numbers;
+use super::joint::JointDynamics;
+use super::{HOLDS, body};
+use crate::naming::{attribute, check_identifier, joint_names};
+use crate::{Export, ExportError};
 
 /// The script beside a model whose drives MuJoCo cannot express.
 const SCRIPT: &str = include_str!("drive.py");

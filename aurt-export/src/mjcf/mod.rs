@@ -12,11 +12,9 @@ use std::fmt::Write;
 
 pub use driven::{Beyond, DrivenJoint, Ground, driven};
 
-use crate::{
-    Export, ExportError, Source,
-    naming::{attribute, check_identifier, joint_names},
-    source::heading,
-};
+use crate::naming::{attribute, check_identifier, joint_names};
+use crate::source::heading;
+use crate::{Export, ExportError, Source};
 
 /// Friction loss that holds: MuJoCo's own settings let a joint creep under a load that friction bears, and its friction
 /// turns 9.5 ms before the velocity does. A time constant below two steps counts as two steps.

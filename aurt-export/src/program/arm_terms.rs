@@ -3,12 +3,10 @@
 use aurt_traits::{ArmTerm, JointStack};
 use serde_json::Value as Json;
 
-use super::{
-    description::{described, number, unknown},
-    friction::{self, At, decay},
-    memory::Memory,
-    tape::{Function, Tape, Value, ZERO},
-};
+use super::description::{described, number, unknown};
+use super::friction::{self, At, decay};
+use super::memory::Memory;
+use super::tape::{Function, Tape, Value, ZERO};
 use crate::ExportError;
 
 #[derive(Debug, Clone, Copy)]

@@ -3,11 +3,9 @@
 use aurt_traits::JointStack;
 use serde_json::Value as Json;
 
-use super::{
-    description::{described, number, unknown},
-    memory::{KNOWN, Memory},
-    tape::{Function, Tape, Value},
-};
+use super::description::{described, number, unknown};
+use super::memory::{KNOWN, Memory};
+use super::tape::{Function, Tape, Value};
 use crate::ExportError;
 
 #[derive(Debug, Clone, Copy)]

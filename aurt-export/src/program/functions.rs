@@ -3,15 +3,13 @@
 use aurt_rbd::{INERTIAL_PARAMETERS, SerialChain};
 use aurt_traits::{ColumnGroup, LoadTorque};
 
-use super::{
-    arm_terms::{Coordinates, Joint, Writer, couple},
-    friction::{self, At},
-    language::Language,
-    memory::Memory,
-    newton_euler::{Posture, Vector},
-    tape::{Operations, Tape, Value, ZERO},
-    tunable::Tunable,
-};
+use super::arm_terms::{Coordinates, Joint, Writer, couple};
+use super::friction::{self, At};
+use super::language::Language;
+use super::memory::Memory;
+use super::newton_euler::{Posture, Vector};
+use super::tape::{Operations, Tape, Value, ZERO};
+use super::tunable::Tunable;
 use crate::{ExportError, Source};
 
 #[derive(Debug, Clone)]

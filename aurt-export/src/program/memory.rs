@@ -4,11 +4,9 @@ use std::fmt::Write;
 
 use serde_json::Value as Json;
 
-use super::{
-    description::number,
-    language::{Language, list, literal},
-    tape::{Tape, Value},
-};
+use super::description::number;
+use super::language::{Language, list, literal};
+use super::tape::{Tape, Value};
 use crate::ExportError;
 
 /// A law of `aurt-friction` with its shape parameters, by the equations of that crate.

@@ -14,9 +14,7 @@ mod tape;
 mod tunable;
 
 pub use self::checks::Check;
-pub(crate) use self::{
-    checks::{filled, tables},
-    functions::{Body, Function, Program, all, tunable_step},
-    language::{Language, list, literal},
-    tunable::Tunable,
-};
+pub(crate) use self::checks::{filled, tables};
+pub(crate) use self::functions::{Body, Function, Program, all, tunable_step};
+pub(crate) use self::language::{Language, list, literal};
+pub(crate) use self::tunable::Tunable;

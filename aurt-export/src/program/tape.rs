@@ -1,6 +1,7 @@
 //! Straight-line programs: operations on doubles, with constants folded and no operation written twice.
 
-use std::{collections::HashMap, fmt::Write};
+use std::collections::HashMap;
+use std::fmt::Write;
 
 use super::language::{Language, literal};
 

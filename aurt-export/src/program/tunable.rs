@@ -3,10 +3,8 @@
 use aurt_rbd::SerialChain;
 use aurt_traits::MeasurementUnit;
 
-use super::{
-    newton_euler::Vector,
-    tape::{Tape, Value, ZERO},
-};
+use super::newton_euler::Vector;
+use super::tape::{Tape, Value, ZERO};
 use crate::Source;
 
 /// A number that can be chosen when the model runs.

@@ -9,12 +9,10 @@ use std::fmt::Write;
 
 use aurt_rbd::SerialChain;
 
-use crate::{
-    Export, ExportError, Source,
-    c::RANGES,
-    naming::check_crate,
-    program::{self, Check, filled, list, tables},
-};
+use crate::c::RANGES;
+use crate::naming::check_crate;
+use crate::program::{self, Check, filled, list, tables};
+use crate::{Export, ExportError, Source};
 
 /// The crate of a model, with a test that compares it with `checks`.
 ///

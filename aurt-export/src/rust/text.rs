@@ -4,12 +4,10 @@ use std::fmt::Write;
 
 use aurt_rbd::SerialChain;
 
-use crate::{
-    Source,
-    c::text::facts,
-    naming::for_comment,
-    program::{Body, Function, Language, Program},
-};
+use crate::Source;
+use crate::c::text::facts;
+use crate::naming::for_comment;
+use crate::program::{Body, Function, Language, Program};
 
 pub(super) fn comment(mark: &str, lines: &[String]) -> String {
     lines.iter().map(|line| format!("{mark} {}", for_comment(line)).trim_end().to_owned() + "\n").collect()

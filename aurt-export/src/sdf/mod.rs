@@ -9,16 +9,12 @@ use std::fmt::Write;
 
 use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody};
 
-use crate::{
-    Export, ExportError, Source,
-    mjcf::{
-        body::numbers,
-        joint::{JointDynamics, dynamics},
-    },
-    naming::{attribute, check_identifier, joint_names},
-    source::{frames, heading},
-    urdf::{UNLIMITED, roll_pitch_yaw, rotors_lost, world_lost},
-};
+use crate::mjcf::body::numbers;
+use crate::mjcf::joint::{JointDynamics, dynamics};
+use crate::naming::{attribute, check_identifier, joint_names};
+use crate::source::{frames, heading};
+use crate::urdf::{UNLIMITED, roll_pitch_yaw, rotors_lost, world_lost};
+use crate::{Export, ExportError, Source};
 
 /// The SDF file of a model.
 ///

@@ -8,15 +8,11 @@ use std::fmt::Write;
 
 use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, SerialChain};
 
-use crate::{
-    Export, ExportError, Source,
-    mjcf::{
-        body::numbers,
-        joint::{JointDynamics, dynamics},
-    },
-    naming::{attribute, check_identifier, joint_names},
-    source::{frames, heading},
-};
+use crate::mjcf::body::numbers;
+use crate::mjcf::joint::{JointDynamics, dynamics};
+use crate::naming::{attribute, check_identifier, joint_names};
+use crate::source::{frames, heading};
+use crate::{Export, ExportError, Source};
 
 /// Limits that do not limit: the file must state some of prismatic joints, and the model knows none.
 pub(crate) const UNLIMITED: &str = "1e16";

@@ -2,20 +2,17 @@
 
 mod urdf;
 
-use std::{path::Path, sync::LazyLock};
+use std::path::Path;
+use std::sync::LazyLock;
 
-use aurt_export::{
-    ExportError, Source,
-    into::{Corrected, Format, Original, correct},
-};
+use aurt_export::into::{Corrected, Format, Original, correct};
+use aurt_export::{ExportError, Source};
 use aurt_rbd::SerialChain;
 use aurt_rbd::robots::{DescribedRobot, Part};
 use roxmltree::Document;
 
-use super::{
-    models::{Case, case},
-    source,
-};
+use super::models::{Case, case};
+use super::source;
 
 const OWN: &str = include_str!("own.xml");
 

@@ -2,10 +2,9 @@
 
 use aurt_export::into::{Corrected, Format, correct};
 
-use super::{
-    super::{models::Case, source},
-    around_heading, case_of, original, read,
-};
+use super::super::models::Case;
+use super::super::source;
+use super::{around_heading, case_of, original, read};
 
 const OWN: &str = include_str!("own.urdf");
 

@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 
 use aurt_export::{Export, rust};
 
-use super::{models::*, source, write};
+use super::models::*;
+use super::{source, write};
 
 /// Runs the test of an export; nothing where there is no cargo.
 fn tested(export: &Export) -> Option<Output> {

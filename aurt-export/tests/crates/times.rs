@@ -1,10 +1,12 @@
 //! Times of the crate beside those of the C.
 
-use std::{path::Path, process::Command};
+use std::path::Path;
+use std::process::Command;
 
 use aurt_export::{Export, c, rust};
 
-use super::super::{models::*, source, write};
+use super::super::models::*;
+use super::super::{source, write};
 
 const FUNCTIONS: [&str; 4] = ["torque", "rigid_body_torque", "mass_matrix", "regressor"];
 

@@ -1,33 +1,31 @@
 //! Models to export, and what they predict.
 
 use aurt_export::Check;
-use aurt_friction::{
-    arm_terms::{
-        coulomb_asymmetric::CoulombAsymmetric,
-        coupling::Coupling,
-        current_offset::CurrentOffset,
-        joint_friction::JointFriction,
-        joint_selection::JointSelection,
-        lugre_damped::LuGreDamped,
-        payload::{Inertial, Payload},
-        rotor_inertia::RotorInertia,
-        spring::Spring,
-        temperature::Temperature,
-        viscous_asymmetric::ViscousAsymmetric,
-    },
-    coulomb::{
-        absent::Absent,
-        absolute::Absolute,
-        constant::Constant,
-        square::Square,
-        stribeck::{LoadDependence, Stribeck, StribeckLaw},
-    },
-    hysteresis::{
-        bouc_wen::BoucWen, dahl::Dahl, gms::Gms, lugre::LuGre, maxwell_slip::MaxwellSlip, sign::Sign,
-        tanh::Tanh,
-    },
-    viscous::{polynomial::Polynomial, saturating::Saturating},
-};
+use aurt_friction::arm_terms::coulomb_asymmetric::CoulombAsymmetric;
+use aurt_friction::arm_terms::coupling::Coupling;
+use aurt_friction::arm_terms::current_offset::CurrentOffset;
+use aurt_friction::arm_terms::joint_friction::JointFriction;
+use aurt_friction::arm_terms::joint_selection::JointSelection;
+use aurt_friction::arm_terms::lugre_damped::LuGreDamped;
+use aurt_friction::arm_terms::payload::{Inertial, Payload};
+use aurt_friction::arm_terms::rotor_inertia::RotorInertia;
+use aurt_friction::arm_terms::spring::Spring;
+use aurt_friction::arm_terms::temperature::Temperature;
+use aurt_friction::arm_terms::viscous_asymmetric::ViscousAsymmetric;
+use aurt_friction::coulomb::absent::Absent;
+use aurt_friction::coulomb::absolute::Absolute;
+use aurt_friction::coulomb::constant::Constant;
+use aurt_friction::coulomb::square::Square;
+use aurt_friction::coulomb::stribeck::{LoadDependence, Stribeck, StribeckLaw};
+use aurt_friction::hysteresis::bouc_wen::BoucWen;
+use aurt_friction::hysteresis::dahl::Dahl;
+use aurt_friction::hysteresis::gms::Gms;
+use aurt_friction::hysteresis::lugre::LuGre;
+use aurt_friction::hysteresis::maxwell_slip::MaxwellSlip;
+use aurt_friction::hysteresis::sign::Sign;
+use aurt_friction::hysteresis::tanh::Tanh;
+use aurt_friction::viscous::polynomial::Polynomial;
+use aurt_friction::viscous::saturating::Saturating;
 use aurt_rbd::robots::DescribedRobot;
 use aurt_rbd::{ChainDynamics, Joint, LinkBody, Parent, Placement, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, JointStack, LoadTorque, Motion, RobotModel, RobotState, RobotTile};

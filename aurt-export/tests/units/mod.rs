@@ -1,16 +1,12 @@
 //! Functional mock-up units: what is in the archive, and what the model in it does.
 
-use std::{
-    collections::BTreeMap,
-    io::{Cursor, Read, Write},
-    path::Path,
-    process::{Output, Stdio},
-};
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read, Write};
+use std::path::Path;
+use std::process::{Output, Stdio};
 
-use aurt_export::{
-    Check, ExportError, Source,
-    fmu::{Fmu, Kind, export},
-};
+use aurt_export::fmu::{Fmu, Kind, export};
+use aurt_export::{Check, ExportError, Source};
 use aurt_simulation::model::{ModelDrive, MovingModel};
 use aurt_traits::{MeasurementUnit, Motion};
 

@@ -4,26 +4,19 @@
 //! killed one: whoever takes it next, or clears the folder that it lies in, removes what is in it. Nothing in a claim is
 //! ever read, and none that belongs to another user is touched.
 
-use std::{
-    collections::BTreeMap,
-    ffi::{OsStr, OsString},
-    fs::{self, File, TryLockError},
-    hash::{DefaultHasher, Hash, Hasher},
-    io::{self, ErrorKind},
-    path::{Path, PathBuf},
-    process,
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError, Weak,
-        atomic::{AtomicUsize, Ordering},
-    },
-    thread,
-    time::{Duration, Instant},
-};
+use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File, TryLockError};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::{Duration, Instant};
+use std::{process, thread};
 
-use crate::output::{
-    STAGED, WriteError,
-    target::{folder_of, meant},
-};
+use crate::output::target::{folder_of, meant};
+use crate::output::{STAGED, WriteError};
 
 const PART: &str = ".part";
 const LOCK: &str = "lock";

@@ -25,29 +25,21 @@ mod json;
 mod staging;
 mod target;
 
-use std::{
-    collections::BTreeSet,
-    fs, io,
-    path::{Path, PathBuf},
-    sync::{
-        Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
-};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{fs, io};
 
 use thiserror::Error;
 
-pub use crate::output::{
-    claim::{Claim, clear_unfinished, take_cleared},
-    json::pretty,
-    staging::{StagedFolder, is_named_pipe, is_special},
-    target::folder_of,
-};
-use crate::output::{
-    claim::{abandon_claims, make_folders},
-    staging::{Published, Staged, sync_folder, write_special},
-    target::meant,
-};
+pub use crate::output::claim::{Claim, clear_unfinished, take_cleared};
+use crate::output::claim::{abandon_claims, make_folders};
+pub use crate::output::json::pretty;
+use crate::output::staging::{Published, Staged, sync_folder, write_special};
+pub use crate::output::staging::{StagedFolder, is_named_pipe, is_special};
+pub use crate::output::target::folder_of;
+use crate::output::target::meant;
 
 /// Beginning of the names of private folders.
 pub const STAGED: &str = ".aurt-";

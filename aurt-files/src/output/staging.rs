@@ -1,12 +1,12 @@
 //! Contents on the disk under a temporary name, and their way to the right one.
 
-use std::{
-    fs::{self, File},
-    io::{ErrorKind, Write},
-    path::{Path, PathBuf},
-};
+use std::fs::{self, File};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
 
-use crate::output::{Durability, WriteError, claim::Claim, target::folder_of};
+use crate::output::claim::Claim;
+use crate::output::target::folder_of;
+use crate::output::{Durability, WriteError};
 
 /// Asks the disk to keep the names in a folder. Systems whose folders cannot be opened keep them anyway.
 pub(crate) fn sync_folder(folder: &Path) {

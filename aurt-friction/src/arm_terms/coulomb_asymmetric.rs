@@ -23,11 +23,9 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    arm_terms::joint_selection::JointSelection,
-    hysteresis::sign::{rest_complaint, sign_beyond},
-    shape::verdict,
-};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::hysteresis::sign::{rest_complaint, sign_beyond};
+use crate::shape::verdict;
 
 /// Dry friction with a level for each direction.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

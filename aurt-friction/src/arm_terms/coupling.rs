@@ -28,10 +28,8 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    hysteresis::sign::{rest_complaint, sign_beyond},
-    shape::verdict,
-};
+use crate::hysteresis::sign::{rest_complaint, sign_beyond};
+use crate::shape::verdict;
 
 /// A motor that turns with the sum of two joints' velocities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

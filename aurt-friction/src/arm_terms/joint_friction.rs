@@ -29,10 +29,11 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    arm_terms::joint_selection::JointSelection, coulomb::constant::Constant, hysteresis::sign::Sign,
-    shape::verdict, viscous::polynomial::Polynomial,
-};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::coulomb::constant::Constant;
+use crate::hysteresis::sign::Sign;
+use crate::shape::verdict;
+use crate::viscous::polynomial::Polynomial;
 
 /// A second stack on joints.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -92,13 +93,7 @@ impl JointFriction {
 }
 
 fn joint_series<'a>(series: &ArmSeries<'a>, joint: usize) -> JointSeries<'a> {
-    JointSeries {
-        time_s: series.motion.time_s(),
-        position_rad: series.motion.position_rad(joint),
-        velocity_rad_s: series.motion.velocity_rad_s(joint),
-        acceleration_rad_s2: series.motion.acceleration_rad_s2(joint),
-        load_torque: series.load_torque(joint),
-    }
+    JointSeries::of(series.motion, joint, series.load_torque(joint))
 }
 
 #[typetag::serde(name = "joint_friction")]

@@ -33,11 +33,9 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    arm_terms::joint_selection::JointSelection,
-    hysteresis::lugre::LuGre,
-    shape::{accepted, verdict},
-};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::hysteresis::lugre::LuGre;
+use crate::shape::{accepted, verdict};
 
 /// The LuGre model with bristle damping.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

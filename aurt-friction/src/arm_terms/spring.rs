@@ -26,7 +26,8 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::shape::verdict;
 
 /// A linear spring across each joint.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -19,7 +19,8 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::shape::verdict;
 
 /// Friction that drifts with uptime.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

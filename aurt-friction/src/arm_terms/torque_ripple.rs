@@ -30,7 +30,8 @@
 use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
+use crate::arm_terms::joint_selection::JointSelection;
+use crate::shape::verdict;
 
 /// Torque that repeats with the joint's angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,12 +2,9 @@
 
 use aurt_traits::{ArmTerm, Columns, Invariant, RigidBodyRegressor};
 
-use super::{
-    AGREEMENT, Violation, check_splits, first_difference, in_pieces,
-    joint::work,
-    of_motion,
-    recording::{Draw, Recording},
-};
+use super::joint::work;
+use super::recording::{Draw, Recording};
+use super::{AGREEMENT, Violation, check_splits, first_difference, in_pieces, of_motion};
 
 /// Samples of the random recordings.
 const SAMPLES: usize = 400;

@@ -2,10 +2,8 @@
 
 use aurt_traits::{CoulombModel, HysteresisModel, Invariant, JointModel, JointSeries, ViscousBasis};
 
-use super::{
-    AGREEMENT, Violation, check_splits, first_difference, in_pieces, of_motion,
-    recording::{Draw, Recording},
-};
+use super::recording::{Draw, Recording};
+use super::{AGREEMENT, Violation, check_splits, first_difference, in_pieces, of_motion};
 
 /// Samples of the random recordings.
 const SAMPLES: usize = 600;

@@ -16,7 +16,8 @@ pub mod arm;
 pub mod joint;
 pub mod recording;
 
-use std::{fmt::Debug, ops::Range};
+use std::fmt::Debug;
+use std::ops::Range;
 
 use aurt_traits::{Columns, Invariant, Invariants, ModelError, ShapeParameter};
 use recording::{Draw, Recording};

@@ -32,7 +32,8 @@
 use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{hysteresis::dahl::PRESLIDING, shape::Shape};
+use crate::hysteresis::dahl::PRESLIDING;
+use crate::shape::Shape;
 
 const EXPONENT: Shape = Shape::linear("exponent", "1", 1.0, 4.0);
 const BETA: Shape = Shape::linear("beta", "1", 0.5, 1.0);

@@ -51,12 +51,10 @@
 use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    path_step::PathStep,
-    shape::{Shape, out_of_bounds, verdict},
-    stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
-    thresholds::Thresholds,
-};
+use crate::path_step::PathStep;
+use crate::shape::{Shape, out_of_bounds, verdict};
+use crate::stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve};
+use crate::thresholds::Thresholds;
 
 const ATTRACTION: Shape = Shape::logarithmic("attraction_per_s", "1/s", 1.0, 1e3);
 

@@ -36,12 +36,10 @@
 use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    hysteresis::dahl::{PRESLIDING, relax},
-    path_step::PathStep,
-    shape::{out_of_bounds, verdict},
-    stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
-};
+use crate::hysteresis::dahl::{PRESLIDING, relax};
+use crate::path_step::PathStep;
+use crate::shape::{out_of_bounds, verdict};
+use crate::stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve};
 
 /// The LuGre model without bristle damping.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -42,10 +42,8 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    shape::{accepted, verdict},
-    thresholds::Thresholds,
-};
+use crate::shape::{accepted, verdict};
+use crate::thresholds::Thresholds;
 
 /// Parallel Maxwell-slip elements.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -2,23 +2,20 @@
 
 use crate::registry::planar_arm;
 
-use aurt_friction::{
-    arm_terms::{
-        base_tilt::BaseTilt,
-        counterbalance::Counterbalance,
-        coupling::Coupling,
-        drive_efficiency::DriveEfficiency,
-        encoder_offset::EncoderOffset,
-        joint_compliance::JointCompliance,
-        joint_selection::JointSelection,
-        lugre_damped::LuGreDamped,
-        payload::{Inertial, Payload},
-        rotor_inertia::RotorInertia,
-        torque_ripple::TorqueRipple,
-    },
-    conformance::{arm::evaluate, recording::Recording},
-    hysteresis::lugre::LuGre,
-};
+use aurt_friction::arm_terms::base_tilt::BaseTilt;
+use aurt_friction::arm_terms::counterbalance::Counterbalance;
+use aurt_friction::arm_terms::coupling::Coupling;
+use aurt_friction::arm_terms::drive_efficiency::DriveEfficiency;
+use aurt_friction::arm_terms::encoder_offset::EncoderOffset;
+use aurt_friction::arm_terms::joint_compliance::JointCompliance;
+use aurt_friction::arm_terms::joint_selection::JointSelection;
+use aurt_friction::arm_terms::lugre_damped::LuGreDamped;
+use aurt_friction::arm_terms::payload::{Inertial, Payload};
+use aurt_friction::arm_terms::rotor_inertia::RotorInertia;
+use aurt_friction::arm_terms::torque_ripple::TorqueRipple;
+use aurt_friction::conformance::arm::evaluate;
+use aurt_friction::conformance::recording::Recording;
+use aurt_friction::hysteresis::lugre::LuGre;
 use aurt_traits::{ArmTerm, ModelError, Motion, RegressorTile, RigidBodyRegressor};
 use planar_arm::PlanarArm;
 

@@ -1,9 +1,11 @@
 //! The conformance checks find models that are not what they declare: a check that cannot fail proves nothing.
 
-use aurt_friction::{
-    conformance::{Violation, joint::check},
-    hysteresis::{dahl::Dahl, gms::Gms, sign::Sign, tanh::Tanh},
-};
+use aurt_friction::conformance::Violation;
+use aurt_friction::conformance::joint::check;
+use aurt_friction::hysteresis::dahl::Dahl;
+use aurt_friction::hysteresis::gms::Gms;
+use aurt_friction::hysteresis::sign::Sign;
+use aurt_friction::hysteresis::tanh::Tanh;
 use aurt_traits::{Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter};
 
 /// What a [`Faulty`] model writes for (time, velocity, load).

@@ -1,11 +1,15 @@
 //! Models with memory against closed solutions and known properties of each.
 
-use aurt_friction::{
-    conformance::{joint::evaluate, recording::Recording},
-    coulomb::{absolute::Absolute, stribeck::Stribeck},
-    hysteresis::{bouc_wen::BoucWen, dahl::Dahl, gms::Gms, lugre::LuGre, maxwell_slip::MaxwellSlip},
-    viscous::polynomial::Polynomial,
-};
+use aurt_friction::conformance::joint::evaluate;
+use aurt_friction::conformance::recording::Recording;
+use aurt_friction::coulomb::absolute::Absolute;
+use aurt_friction::coulomb::stribeck::Stribeck;
+use aurt_friction::hysteresis::bouc_wen::BoucWen;
+use aurt_friction::hysteresis::dahl::Dahl;
+use aurt_friction::hysteresis::gms::Gms;
+use aurt_friction::hysteresis::lugre::LuGre;
+use aurt_friction::hysteresis::maxwell_slip::MaxwellSlip;
+use aurt_friction::viscous::polynomial::Polynomial;
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
 /// Positions from each corner to the next in `steps` equal steps.

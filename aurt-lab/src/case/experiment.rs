@@ -3,10 +3,8 @@
 use aurt_traits::MeasurementUnit;
 
 use super::layout::{Role, Slot};
-use aurt_simulation::{
-    inject::{JointStructure, Structure},
-    robots::Robot,
-};
+use aurt_simulation::inject::{JointStructure, Structure};
+use aurt_simulation::robots::Robot;
 
 pub(super) fn file_name(slot: usize) -> String {
     format!("recording_{}.csv", slot + 1)

@@ -1,12 +1,10 @@
 use super::layout::{RecordingSettings, Slot};
 use crate::effects::Undeclared;
-use aurt_simulation::{
-    Scenario, SimulationError,
-    effects::{Effect, Shapes},
-    plant::Controller,
-    robots::Robot,
-    sensors::{Instrument, Logger},
-};
+use aurt_simulation::effects::{Effect, Shapes};
+use aurt_simulation::plant::Controller;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::{Instrument, Logger};
+use aurt_simulation::{Scenario, SimulationError};
 
 /// What surrounds the robot of a case: its controller, its sensors and logger, how recordings are made and the experiment
 /// is written, and the physics that the experiment neglects.

@@ -1,10 +1,8 @@
 use serde::{Deserialize, Serialize};
 
-use aurt_simulation::{
-    Random, SimulationError,
-    robots::Robot,
-    trajectory::{Motion, Trajectory},
-};
+use aurt_simulation::robots::Robot;
+use aurt_simulation::trajectory::{Motion, Trajectory};
+use aurt_simulation::{Random, SimulationError};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

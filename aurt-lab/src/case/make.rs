@@ -10,15 +10,13 @@ use super::request::{CaseRequest, CaseType};
 use super::rough;
 use super::truth::{TrueEffect, Truth, ValidationFloor};
 use super::world::World;
-use crate::{effects::read_effect, fit::processed_motion};
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Hidden, catalogue},
-    inject::{OwnModel, mean_square},
-    robots::Robot,
-    sensors::SimulatedRecording,
-    simulate,
-};
+use crate::effects::read_effect;
+use crate::fit::processed_motion;
+use aurt_simulation::effects::{Draw, Effect, EffectKind, Hidden, catalogue};
+use aurt_simulation::inject::{OwnModel, mean_square};
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::SimulatedRecording;
+use aurt_simulation::{Random, SimulationError, simulate};
 
 /// A case: the files that a diagnosis may see, and the truth.
 #[derive(Debug, Clone)]

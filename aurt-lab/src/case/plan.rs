@@ -5,15 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::layout::RecordingSettings;
 use super::make::case_type;
 use super::request::CaseRequest;
-use crate::{
-    effects::{kind, unknown_effects},
-    strength::Strength,
-};
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{EffectKind, catalogue},
-    robots::Robot,
-};
+use crate::effects::{kind, unknown_effects};
+use crate::strength::Strength;
+use aurt_simulation::effects::{EffectKind, catalogue};
+use aurt_simulation::robots::Robot;
+use aurt_simulation::{Random, SimulationError};
 
 /// Which cases to make.
 ///

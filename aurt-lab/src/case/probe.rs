@@ -5,20 +5,15 @@ use std::sync::Arc;
 
 use super::laboratory::Laboratory;
 use super::layout::{Role, Slot};
-use crate::{
-    effects::read_effect,
-    fit::{NoiseFreeFit, Samples, without_absorbed_rotors},
-    strength::Strength,
-};
-use aurt_simulation::{
-    SimulationError,
-    effects::{Effect, EffectKind, Factor, Shapes},
-    inject::{Structure, StructureColumns},
-    plant::Traces,
-    robots::Robot,
-    sensors::Instrument,
-    trace_with_instrument,
-};
+use crate::effects::read_effect;
+use crate::fit::{NoiseFreeFit, Samples, without_absorbed_rotors};
+use crate::strength::Strength;
+use aurt_simulation::effects::{Effect, EffectKind, Factor, Shapes};
+use aurt_simulation::inject::{Structure, StructureColumns};
+use aurt_simulation::plant::Traces;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::Instrument;
+use aurt_simulation::{SimulationError, trace_with_instrument};
 
 /// How often the size may be corrected.
 const CORRECTIONS: usize = 4;

@@ -1,11 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{effects::kind, strength::Strength};
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{EffectKind, Presence},
-    robots::{Robot, Rotors},
-};
+use crate::effects::kind;
+use crate::strength::Strength;
+use aurt_simulation::effects::{EffectKind, Presence};
+use aurt_simulation::robots::{Robot, Rotors};
+use aurt_simulation::{Random, SimulationError};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

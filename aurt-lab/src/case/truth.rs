@@ -3,9 +3,12 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{request::CaseType, world::World};
+use super::request::CaseType;
+use super::world::World;
 use crate::strength::Strength;
-use aurt_simulation::{SimulationError, effects::Family, robots::Rotors};
+use aurt_simulation::SimulationError;
+use aurt_simulation::effects::Family;
+use aurt_simulation::robots::Rotors;
 
 /// What is in a case; hidden from the diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,11 +8,9 @@ mod record;
 mod score;
 mod setups;
 
-use std::{
-    io::{IsTerminal, Write},
-    process::ExitCode,
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aurt_files::{harmless, harmless_json};
 use aurt_plugins::{Registry, Trust};

@@ -1,9 +1,7 @@
 //! `aurt-lab prove`: how often a diagnosis is right, on cases whose truth is known and hidden from it.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use crate::{
     case::{Plan, World},

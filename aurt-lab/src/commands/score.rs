@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::{
-    commands::Report,
-    product::{Failure, OutputFile, pretty},
-    proof::{Verdicts, add_oracle, read_scores},
-    score::Scoreboard,
-};
+use crate::commands::Report;
+use crate::product::{Failure, OutputFile, pretty};
+use crate::proof::{Verdicts, add_oracle, read_scores};
+use crate::score::Scoreboard;
 use clap::Args;
 use serde_json::json;
 

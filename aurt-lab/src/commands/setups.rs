@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::{
-    commands::{Report, Session},
-    product::{Failure, OutputFolder, pretty},
-    proof::program,
-    setups::{Counted, counted},
-};
+use crate::commands::{Report, Session};
+use crate::product::{Failure, OutputFolder, pretty};
+use crate::proof::program;
+use crate::setups::{Counted, counted};
 use clap::Args;
 use serde_json::json;
 

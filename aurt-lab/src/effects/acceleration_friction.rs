@@ -10,10 +10,8 @@ pub struct AccelerationFriction {
 }
 
 impl Physics for AccelerationFriction {
-    const IDENTIFIER: &'static str = "acceleration_friction";
-    const FAMILY: Family = Family::F;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration =
+        Declaration::new("acceleration_friction", Family::F, Presence::Structural, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["growth_nm_s2"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

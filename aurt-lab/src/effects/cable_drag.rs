@@ -14,10 +14,7 @@ pub struct CableDrag {
 }
 
 impl Physics for CableDrag {
-    const IDENTIFIER: &'static str = "cable_drag";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Pair;
+    const KIND: Declaration = Declaration::new("cable_drag", Family::P, Presence::Structural, Takes::Pair);
     const PARAMETERS: &'static [&'static str] = &["tension_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -11,10 +11,7 @@ pub struct CrossDrag {
 }
 
 impl Physics for CrossDrag {
-    const IDENTIFIER: &'static str = "cross_drag";
-    const FAMILY: Family = Family::C;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Pair;
+    const KIND: Declaration = Declaration::new("cross_drag", Family::C, Presence::Structural, Takes::Pair);
     const PARAMETERS: &'static [&'static str] = &["drag_nm_s2"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -1,16 +1,16 @@
 //! The list of the unknown effects, and the kinds of both lists.
 
-use aurt_simulation::{
-    SimulationError,
-    effects::{Effect, EffectKind, catalogue, kind_among},
-};
+use aurt_simulation::SimulationError;
+use aurt_simulation::effects::{Effect, EffectKind, catalogue, kind_among};
 use serde_json::Value;
 
-use super::{
-    acceleration_friction::AccelerationFriction, cable_drag::CableDrag, cross_drag::CrossDrag,
-    leaking_spring::LeakingSpring, periodic_disturbance::PeriodicDisturbance,
-    position_damper::PositionDamper, sticking_window::StickingWindow,
-};
+use super::acceleration_friction::AccelerationFriction;
+use super::cable_drag::CableDrag;
+use super::cross_drag::CrossDrag;
+use super::leaking_spring::LeakingSpring;
+use super::periodic_disturbance::PeriodicDisturbance;
+use super::position_damper::PositionDamper;
+use super::sticking_window::StickingWindow;
 
 const UNKNOWN: &[EffectKind] = &[
     EffectKind::of::<AccelerationFriction>(),

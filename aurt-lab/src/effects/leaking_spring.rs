@@ -14,10 +14,7 @@ pub struct LeakingSpring {
 }
 
 impl Physics for LeakingSpring {
-    const IDENTIFIER: &'static str = "leaking_spring";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration = Declaration::new("leaking_spring", Family::P, Presence::Structural, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "leak_s"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

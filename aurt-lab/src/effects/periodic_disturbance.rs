@@ -11,10 +11,8 @@ pub struct PeriodicDisturbance {
 }
 
 impl Physics for PeriodicDisturbance {
-    const IDENTIFIER: &'static str = "periodic_disturbance";
-    const FAMILY: Family = Family::X;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration =
+        Declaration::new("periodic_disturbance", Family::X, Presence::Either, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["amplitude_nm", "frequency_hz"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

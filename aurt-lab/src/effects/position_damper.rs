@@ -11,10 +11,8 @@ pub struct PositionDamper {
 }
 
 impl Physics for PositionDamper {
-    const IDENTIFIER: &'static str = "position_damper";
-    const FAMILY: Family = Family::V;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration =
+        Declaration::new("position_damper", Family::V, Presence::Structural, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["damping_nm_s"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

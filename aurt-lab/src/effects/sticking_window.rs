@@ -11,10 +11,8 @@ pub struct StickingWindow {
 }
 
 impl Physics for StickingWindow {
-    const IDENTIFIER: &'static str = "sticking_window";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration =
+        Declaration::new("sticking_window", Family::P, Presence::Structural, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["excess_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -3,16 +3,14 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use aurt_simulation::{
-    SimulationError,
-    effects::{
-        BristleModel, Curve, Effect, Factor, PreslidingHysteresis, Setup, TemperatureDependentFriction,
-        check_joints, check_values,
-    },
-    error::Complaints,
-    plant::ViscousLaw,
-    robots::Robot,
+use aurt_simulation::SimulationError;
+use aurt_simulation::effects::{
+    BristleModel, Curve, Effect, Factor, PreslidingHysteresis, Setup, TemperatureDependentFriction,
+    check_joints, check_values,
 };
+use aurt_simulation::error::Complaints;
+use aurt_simulation::plant::ViscousLaw;
+use aurt_simulation::robots::Robot;
 
 /// Small physics of one joint that no experiment declares; 0 for none.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -1,10 +1,8 @@
 use aurt_traits::Motion;
 
-use aurt_simulation::{
-    Random, SimulationError,
-    inject::{Gram, Structure, StructureColumns},
-    robots::Robot,
-};
+use aurt_simulation::inject::{Gram, Structure, StructureColumns};
+use aurt_simulation::robots::Robot;
+use aurt_simulation::{Random, SimulationError};
 
 /// Random samples on which it is judged what the base parameters absorb.
 const SAMPLES: usize = 80;

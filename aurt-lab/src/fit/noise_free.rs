@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use aurt_simulation::{
-    Robot, SimulationError,
-    inject::{Gram, StructureColumns},
-    plant::{TRACE_STEP_S, Traces},
-    sensors::{Instrument, linear_at},
-};
+use aurt_simulation::inject::{Gram, StructureColumns};
+use aurt_simulation::plant::{TRACE_STEP_S, Traces};
+use aurt_simulation::sensors::{Instrument, linear_at};
+use aurt_simulation::{Robot, SimulationError};
 use aurt_traits::Motion;
 
 /// Every how many samples of the traces one is used.

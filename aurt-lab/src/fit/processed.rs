@@ -1,6 +1,8 @@
 use aurt_recording::{PreprocessOptions, Preprocessed, Recording, RecordingError, preprocess};
 
-use aurt_simulation::{SimulationError, robots::Robot, sensors::SimulatedRecording};
+use aurt_simulation::SimulationError;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::SimulatedRecording;
 
 /// A recording after the usual preprocessing for dynamics up to `f_dyn_hz`, torques in Nm, rest trimmed.
 pub fn processed_motion(

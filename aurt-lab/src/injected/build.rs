@@ -1,9 +1,7 @@
 //! An effect of a wanted strength, on a joint that suits it.
 
-use aurt_simulation::{
-    Random, SimulationError,
-    inject::{Added, Built, Injection, Kind, Split},
-};
+use aurt_simulation::inject::{Added, Built, Injection, Kind, Split};
+use aurt_simulation::{Random, SimulationError};
 
 use crate::strength::Strength;
 

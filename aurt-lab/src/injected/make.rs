@@ -6,20 +6,14 @@ use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
 use serde_json::json;
 
-use aurt_simulation::{
-    Random, Rotors, SimulationError,
-    effects::{self, Family},
-    inject::{Added, Built, Kind, Law, Presence, Rows, Split, applied, mean_square},
-};
+use aurt_simulation::effects::{self, Family};
+use aurt_simulation::inject::{Added, Built, Kind, Law, Presence, Rows, Split, applied, mean_square};
+use aurt_simulation::{Random, Rotors, SimulationError};
 
-use super::{
-    build::build,
-    requests::{InjectedRequest, InjectedWorld},
-};
-use crate::{
-    case::{Case, CaseRequest, CaseType, TrueEffect, Truth, ValidationFloor, World},
-    strength::Strength,
-};
+use super::build::build;
+use super::requests::{InjectedRequest, InjectedWorld};
+use crate::case::{Case, CaseRequest, CaseType, TrueEffect, Truth, ValidationFloor, World};
+use crate::strength::Strength;
 
 /// Share of the strongest joint's error from which a joint counts as one whose error a whole-arm effect makes, and the
 /// least such error over what is left; as in simulated cases.

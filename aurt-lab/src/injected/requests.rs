@@ -4,16 +4,12 @@ use std::path::Path;
 
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_simulation::{
-    Random, SimulationError,
-    inject::{Injection, Kind, Presence, Split, injectable, unknown_injectable},
-};
+use aurt_simulation::inject::{Injection, Kind, Presence, Split, injectable, unknown_injectable};
+use aurt_simulation::{Random, SimulationError};
 
-use crate::{
-    case::{CaseRequest, CaseType, Plan},
-    product::{Failure, plain},
-    strength::Strength,
-};
+use crate::case::{CaseRequest, CaseType, Plan};
+use crate::product::{Failure, plain};
+use crate::strength::Strength;
 
 /// A case of these recordings that is to be made.
 #[derive(Debug, Clone, PartialEq)]

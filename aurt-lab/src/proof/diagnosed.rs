@@ -1,23 +1,21 @@
 //! A case from its making to its verdicts.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Stdio},
-    time::{Duration, Instant},
-};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
-use crate::{
-    case::{CaseType, Plan, Truth},
-    product::{Failure, OutputFolder},
-    score::leaks,
-};
+use crate::case::{CaseType, Plan, Truth};
+use crate::product::{Failure, OutputFolder};
+use crate::score::leaks;
 use aurt_plugins::Trust;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::{FAILED, Place, Shard, Source, UNFIT, VERDICT, scores::reference_folder, variants::Variant};
+use super::scores::reference_folder;
+use super::variants::Variant;
+use super::{FAILED, Place, Shard, Source, UNFIT, VERDICT};
 
 #[derive(Debug, Clone)]
 pub struct Options {

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use crate::{
-    case::{Case, Plan},
-    injected::{InjectedRequest, InjectedWorld},
-    product::Failure,
-};
+use crate::case::{Case, Plan};
+use crate::injected::{InjectedRequest, InjectedWorld};
+use crate::product::Failure;
 use aurt_plugins::Registry;
 use aurt_simulation::{Random, SimulationError};
 

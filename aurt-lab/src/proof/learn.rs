@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use crate::{
-    case::World,
-    product::{Failure, OutputFile, pretty},
-    score::{CaseScore, learnt},
-};
+use crate::case::World;
+use crate::product::{Failure, OutputFile, pretty};
+use crate::score::{CaseScore, learnt};
 use aurt_diagnosis::Learnt;
 use serde_json::json;
 

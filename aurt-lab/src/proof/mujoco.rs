@@ -1,10 +1,8 @@
 //! The world of another engine: cases that a Python program makes with MuJoCo.
 
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 use super::{
     place::Place,

@@ -1,12 +1,8 @@
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::fs;
+use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{Plan, World},
-    product::{Failure, OutputFolder, pretty},
-};
+use crate::case::{Plan, World};
+use crate::product::{Failure, OutputFolder, pretty};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone)]

@@ -1,7 +1,5 @@
-use crate::{
-    case::{NullPlan, PairPlan, Plan, SinglePlan, World},
-    strength::Strength,
-};
+use crate::case::{NullPlan, PairPlan, Plan, SinglePlan, World};
+use crate::strength::Strength;
 
 /// A proof of every world in some minutes: that everything works, not how well. Effects that differ in what finds them:
 /// a column, the pose, faults of rows, and what is above the filters.

@@ -1,9 +1,8 @@
 //! The program that diagnoses.
 
-use std::{
-    env::{consts::EXE_SUFFIX, current_exe, split_paths, var_os},
-    path::{Path, PathBuf},
-};
+use std::env::consts::EXE_SUFFIX;
+use std::env::{current_exe, split_paths, var_os};
+use std::path::{Path, PathBuf};
 
 use crate::product::Failure;
 

@@ -1,19 +1,17 @@
 //! What a proof came to: the tables, and everything as JSON.
 
-use std::{collections::BTreeMap, fmt::Write as _, path::Path};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
 
-use crate::{
-    case::World,
-    product::Failure,
-    score::{CaseScore, Scoreboard},
-};
+use crate::case::World;
+use crate::product::Failure;
+use crate::score::{CaseScore, Scoreboard};
 use serde_json::{Map, Value, json};
 
-use super::{
-    Place, Proof, Verdicts,
-    diagnosed::complaints,
-    scores::{add_oracle, add_variants, scores_so_far},
-};
+use super::diagnosed::complaints;
+use super::scores::{add_oracle, add_variants, scores_so_far};
+use super::{Place, Proof, Verdicts};
 
 /// What a folder has proved so far.
 #[derive(Debug)]

@@ -1,18 +1,15 @@
 //! Verdicts compared with the truth.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{CaseType, Truth},
-    product::Failure,
-    score::{CaseScore, Claim, ClaimSet, score},
-};
+use crate::case::{CaseType, Truth};
+use crate::product::Failure;
+use crate::score::{CaseScore, Claim, ClaimSet, score};
 
-use super::{FAILED, Place, VERDICT, variants::Variant};
+use super::variants::Variant;
+use super::{FAILED, Place, VERDICT};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdicts {

@@ -1,12 +1,11 @@
 //! A proof in parts, on several machines, and put together again.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    str::FromStr,
-};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use crate::{case::World, product::Failure};
+use crate::case::World;
+use crate::product::Failure;
 
 use super::Place;
 

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use crate::{
-    case::{CaseRequest, Plan, World, servo},
-    product::Failure,
-};
+use crate::case::{CaseRequest, Plan, World, servo};
+use crate::product::Failure;
 
 use super::source::{Ingredients, Planned, Source};
 use aurt_simulation::{Random, SimulationError};

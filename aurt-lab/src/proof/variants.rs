@@ -1,6 +1,7 @@
 //! Cases written differently: variants in which the robot is the same.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, TomlError, Value, table, value};
 

@@ -2,13 +2,11 @@
 
 use aurt_plugins::Registry;
 
-use super::{
-    injected, mujoco,
-    place::Place,
-    simulated,
-    source::{Ingredients, Source},
-};
-use crate::{case::World, product::Failure};
+use super::place::Place;
+use super::source::{Ingredients, Source};
+use super::{injected, mujoco, simulated};
+use crate::case::World;
+use crate::product::Failure;
 
 /// The source of a world's cases, or why there is none on this machine.
 pub fn source(

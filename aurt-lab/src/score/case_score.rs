@@ -10,11 +10,9 @@ use super::news::{Background, News, Sameness, distinct, meet};
 use super::nulls::{agreement, flagged_by, flagged_by_change, is_of_change_alone};
 use super::parameters::{ParameterError, parameter_errors};
 use super::share::Share;
-use crate::{
-    case::{CaseType, Truth, World},
-    effects::kind,
-    strength::Strength,
-};
+use crate::case::{CaseType, Truth, World};
+use crate::effects::kind;
+use crate::strength::Strength;
 use aurt_simulation::effects::Family;
 
 /// A joint counts for the held-out improvement if its mean squared error exceeds the floor by this share.

@@ -1,8 +1,6 @@
 use super::claim::{Claim, ClaimedAlternative, ClaimedEffect, is_change};
-use crate::{
-    case::{TrueEffect, Truth},
-    effects::kind,
-};
+use crate::case::{TrueEffect, Truth};
+use crate::effects::kind;
 
 /// Effects that no recording tells apart: beside a Coulomb level, friction that differs by direction is a constant
 /// while the joint moves.

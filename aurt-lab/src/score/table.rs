@@ -5,7 +5,8 @@ use super::board::Scoreboard;
 use super::invariance::Invariance;
 use super::share::Share;
 use super::world_board::{Singles, WorldBoard};
-use crate::{case::World, strength::Strength};
+use crate::case::World;
+use crate::strength::Strength;
 
 /// A cell without a value.
 const NOTHING: &str = "–";

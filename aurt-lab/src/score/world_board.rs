@@ -8,7 +8,8 @@ use super::invariance::Invariance;
 use super::learnt::confidence;
 use super::reliability::Reliability;
 use super::share::{Share, mean, median};
-use crate::{case::CaseType, strength::Strength};
+use crate::case::CaseType;
+use crate::strength::Strength;
 
 /// What became of cases of one effect, at one strength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

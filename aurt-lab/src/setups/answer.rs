@@ -1,11 +1,14 @@
 //! What `aurt check` says of a setup.
 
-use std::{path::Path, process::Command};
+use std::path::Path;
+use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Kind, mistakes::tells, setup::Setup};
+use super::Kind;
+use super::mistakes::tells;
+use super::setup::Setup;
 use crate::product::{Failure, OutputFolder};
 
 words! {

@@ -8,10 +8,8 @@ use aurt_rbd::MdhRow;
 use aurt_simulation::Random;
 use aurt_traits::{MeasurementUnit, RobotNames};
 
-use super::setup::{
-    Columns::{self, Both, Measurements, Positions},
-    Geometry, Log, Setup, file_name,
-};
+use super::setup::Columns::{self, Both, Measurements, Positions};
+use super::setup::{Geometry, Log, Setup, file_name};
 
 #[derive(Debug, Clone)]
 pub struct Kind {

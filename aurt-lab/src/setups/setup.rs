@@ -2,17 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::{
-    case::planned,
-    effects::{Lacks, Undeclared},
-};
+use crate::case::planned;
+use crate::effects::{Lacks, Undeclared};
 use aurt_rbd::MdhRow;
 use aurt_rbd::robots::{KnownRobot, known_robot};
+use aurt_simulation::effects::{BristleModel, Effect, Payload};
+use aurt_simulation::sensors::{ClockFaults, Instrument};
 use aurt_simulation::{
-    Controller, Logger, Motion, Random, Robot, Rotors, Scenario, SimulationError,
-    effects::{BristleModel, Effect, Payload},
-    sensors::{ClockFaults, Instrument},
-    simulate,
+    Controller, Logger, Motion, Random, Robot, Rotors, Scenario, SimulationError, simulate,
 };
 use aurt_traits::MeasurementUnit;
 

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use crate::{lab::lab, support::Folder};
+use crate::lab::lab;
+use crate::support::Folder;
 
 const PLAN: &str =
     "[singles]\neffects = [\"coulomb\", \"payload\"]\nstrengths = [\"strong\"]\n[nulls]\ncount = 1\n";

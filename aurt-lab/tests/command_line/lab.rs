@@ -1,11 +1,10 @@
 //! Running `aurt-lab` in a folder.
 
-use std::{ffi::OsStr, process::Command};
+use std::ffi::OsStr;
+use std::process::Command;
 
-use crate::{
-    programs::{aurt, aurt_lab},
-    support::{Folder, Run},
-};
+use crate::programs::{aurt, aurt_lab};
+use crate::support::{Folder, Run};
 
 pub fn lab<S: AsRef<OsStr>>(folder: &Folder, arguments: impl IntoIterator<Item = S>) -> Run {
     lab_with(folder, [], arguments)

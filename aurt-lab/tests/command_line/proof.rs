@@ -2,10 +2,8 @@
 
 use serde_json::Value;
 
-use crate::{
-    lab::{lab, lab_with},
-    support::Folder,
-};
+use crate::lab::{lab, lab_with};
+use crate::support::Folder;
 
 const PLAN: &str = "[recordings]\nduration_s = 20.0\nrate_hz = 500.0\n\
     [singles]\nrobots = ['ur10e']\neffects = ['payload', 'torque_ripple', 'saturation']\n\

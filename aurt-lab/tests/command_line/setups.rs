@@ -1,6 +1,7 @@
 //! `aurt-lab setups`: a few right and wrong setups.
 
-use crate::{lab::lab, support::Folder};
+use crate::lab::lab;
+use crate::support::Folder;
 
 /// Right setups are not accused, and signs that are wrong are told; what was answered is not asked again.
 #[test]

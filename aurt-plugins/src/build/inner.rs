@@ -9,13 +9,11 @@ use std::cell::RefCell;
 use aurt_traits::{CoulombModel, HysteresisModel, InnerModels, Slot, ViscousBasis};
 
 use super::{SlotModel, build, build_saved};
-use crate::{
-    Node, Registry,
-    configuration::{Entry, NodeKind},
-    error::BuildError,
-    place::{self, Tracked},
-    registry::Registered,
-};
+use crate::configuration::{Entry, NodeKind};
+use crate::error::BuildError;
+use crate::place::{self, Tracked};
+use crate::registry::Registered;
+use crate::{Node, Registry};
 
 /// How a table was written down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,22 +1,23 @@
 //! From a table `{ model = "…", … }` to a model.
 
-use std::{borrow::Cow, cell::RefCell, sync::Arc};
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::sync::Arc;
 
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, InnerModels, JointModel, ModelError, Slot, ViscousBasis,
 };
-use serde::{Deserialize, de::value::Error as SerdeError};
+use serde::Deserialize;
+use serde::de::value::Error as SerdeError;
 use serde_json::{Map, Value};
 
 use self::inner::{Form, Inner};
-use crate::{
-    Node, Registry,
-    configuration::NodeKind,
-    dynamic::{Fault, LibraryModel, LibraryTerm, PLUGIN_KEY},
-    error::BuildError,
-    listing::{LibraryListing, Origin},
-    place::{self, Place, Tracked},
-};
+use crate::configuration::NodeKind;
+use crate::dynamic::{Fault, LibraryModel, LibraryTerm, PLUGIN_KEY};
+use crate::error::BuildError;
+use crate::listing::{LibraryListing, Origin};
+use crate::place::{self, Place, Tracked};
+use crate::{Node, Registry};
 
 mod inner;
 
@@ -27,10 +28,8 @@ mod sealed {
     use serde::de::value::Error;
     use serde_json::{Map, Value};
 
-    use crate::{
-        dynamic::{Fault, LibraryModel},
-        place::Tracked,
-    };
+    use crate::dynamic::{Fault, LibraryModel};
+    use crate::place::Tracked;
 
     /// What building needs of a model trait; private, so that nobody else fills a slot.
     pub trait Construct {

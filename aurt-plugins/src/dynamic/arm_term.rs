@@ -1,10 +1,11 @@
 use std::sync::Arc;
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, Result, ShapeParameter, abi::Series,
-};
+use aurt_traits::abi::Series;
+use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, Result, ShapeParameter};
 
-use super::{description::Described, instance::Fault, model::LibraryTerm};
+use super::description::Described;
+use super::instance::Fault;
+use super::model::LibraryTerm;
 
 impl LibraryTerm {
     /// The description for a robot; none if the term does not fit it, which `validate` reports.

@@ -1,12 +1,8 @@
-use std::{
-    ffi::{CStr, c_char},
-    slice,
-};
+use std::ffi::{CStr, c_char};
+use std::slice;
 
-use aurt_traits::{
-    Invariants, Parameter, Scale, ShapeParameter,
-    abi::{self, Description},
-};
+use aurt_traits::abi::{self, Description};
+use aurt_traits::{Invariants, Parameter, Scale, ShapeParameter};
 
 /// More models, columns, joints or parameters than this are taken for an error of the library.
 pub(super) const MOST: usize = 100_000;

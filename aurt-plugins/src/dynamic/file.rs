@@ -1,9 +1,7 @@
 //! The file of a library: read once, so that what is loaded is what was hashed.
 
-use std::{
-    fs, io,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crate::error::{Error, LibraryProblem};
 
@@ -46,7 +44,9 @@ impl LibraryFile {
 /// The path of a sealed file in memory; none where the system does not make one.
 #[cfg(target_os = "linux")]
 fn in_memory(bytes: &[u8]) -> Option<PathBuf> {
-    use std::{fs::File, io::Write, os::fd::AsRawFd};
+    use std::fs::File;
+    use std::io::Write;
+    use std::os::fd::AsRawFd;
 
     use rustix::fs::{MemfdFlags, SealFlags, fcntl_add_seals, memfd_create};
 

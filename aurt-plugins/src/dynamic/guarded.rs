@@ -1,6 +1,7 @@
 //! The first batches of a library's model: evaluated between guards, and held to what the model declares of itself.
 
-use aurt_traits::{Columns, Invariant, Invariants, JointSeries, abi::Series};
+use aurt_traits::abi::Series;
+use aurt_traits::{Columns, Invariant, Invariants, JointSeries};
 
 use super::instance::{Fault, Instance};
 

@@ -1,21 +1,16 @@
-use std::{
-    cell::Cell,
-    collections::BTreeMap,
-    ffi::{CStr, c_char, c_void},
-    fmt, ptr,
-    sync::{
-        Arc, Mutex, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
-};
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::ffi::{CStr, c_char, c_void};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::{fmt, ptr};
 
-use aurt_traits::{
-    Columns, ModelError,
-    abi::{self, ErrorBuffer, Series},
-};
+use aurt_traits::abi::{self, ErrorBuffer, Series};
+use aurt_traits::{Columns, ModelError};
 use serde_json::{Map, Value};
 
-use super::{description::Described, library::LibraryModel};
+use super::description::Described;
+use super::library::LibraryModel;
 
 /// The key under which a saved model of a library says where it is from.
 pub(crate) const PLUGIN_KEY: &str = "plugin";

@@ -1,9 +1,12 @@
+use aurt_traits::abi::Series;
 use aurt_traits::{
     Columns, CoulombModel, HysteresisModel, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    Result, ShapeParameter, ViscousBasis, abi::Series,
+    Result, ShapeParameter, ViscousBasis,
 };
 
-use super::{guarded, instance::Fault, model::LibraryTerm};
+use super::guarded;
+use super::instance::Fault;
+use super::model::LibraryTerm;
 
 impl JointModel for LibraryTerm {
     fn name(&self) -> &str {

@@ -1,20 +1,15 @@
-use std::{
-    collections::BTreeMap,
-    ffi::{CStr, c_char},
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::collections::BTreeMap;
+use std::ffi::{CStr, c_char};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use aurt_traits::{
-    Slot,
-    abi::{self, Declaration, ModelTable},
-};
+use aurt_traits::Slot;
+use aurt_traits::abi::{self, Declaration, ModelTable};
 use libloading::Library;
 
-use super::{description::MOST, file::LibraryFile};
-use crate::{
-    error::LibraryProblem,
-    listing::{LibraryListing, ModelListing, Origin},
-};
+use super::description::MOST;
+use super::file::LibraryFile;
+use crate::error::LibraryProblem;
+use crate::listing::{LibraryListing, ModelListing, Origin};
 
 /// A model of a library.
 #[derive(Debug)]

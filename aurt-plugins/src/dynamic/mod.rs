@@ -13,9 +13,7 @@ mod joint_model;
 mod library;
 mod model;
 
-pub(crate) use self::{
-    file::LibraryFile,
-    instance::{Fault, PLUGIN_KEY},
-    library::{LibraryModel, load},
-    model::LibraryTerm,
-};
+pub(crate) use self::file::LibraryFile;
+pub(crate) use self::instance::{Fault, PLUGIN_KEY};
+pub(crate) use self::library::{LibraryModel, load};
+pub(crate) use self::model::LibraryTerm;

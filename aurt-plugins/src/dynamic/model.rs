@@ -2,19 +2,15 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use aurt_traits::{
-    Columns, ModelError,
-    abi::{NO_ROBOT, Series},
-};
+use aurt_traits::abi::{NO_ROBOT, Series};
+use aurt_traits::{Columns, ModelError};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
-use super::{
-    description::Described,
-    guarded,
-    instance::{Fault, Instance},
-    library::LibraryModel,
-};
+use super::description::Described;
+use super::guarded;
+use super::instance::{Fault, Instance};
+use super::library::LibraryModel;
 
 /// A model of a library, of any slot. It is built for the slot that its table declares, and for no other.
 #[derive(Debug, Clone)]

@@ -2,7 +2,9 @@
 
 use aurt_traits::{ArmTerm, ModelError, RobotModel};
 
-use crate::model::{error::Error, friction::Friction, rigid_bodies::RigidBodyDynamics};
+use crate::model::error::Error;
+use crate::model::friction::Friction;
+use crate::model::rigid_bodies::RigidBodyDynamics;
 
 /// The parts of a robot model: rigid bodies, the friction of each joint, arm terms.
 ///

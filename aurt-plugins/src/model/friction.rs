@@ -1,10 +1,11 @@
 //! The friction of a joint, put together from one model for each factor of equation (6).
 
-use aurt_friction::{
-    coulomb::{absent::Absent, absolute::Absolute, constant::Constant, stribeck::Stribeck},
-    hysteresis::sign::Sign,
-    viscous::polynomial::Polynomial,
-};
+use aurt_friction::coulomb::absent::Absent;
+use aurt_friction::coulomb::absolute::Absolute;
+use aurt_friction::coulomb::constant::Constant;
+use aurt_friction::coulomb::stribeck::Stribeck;
+use aurt_friction::hysteresis::sign::Sign;
+use aurt_friction::viscous::polynomial::Polynomial;
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, ViscousBasis};
 
 use crate::model::error::Error;

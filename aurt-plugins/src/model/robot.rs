@@ -1,16 +1,15 @@
 //! A robot's geometry, and models on top of it.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
 use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, known_robot, probably_meant};
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
 use aurt_traits::{BaseParameters, RigidBodyRegressor};
 
-use crate::model::{
-    builder::ModelBuilder,
-    error::Error,
-    rigid_bodies::{BASE_PARAMETER_SEED, RigidBodyDynamics},
-};
+use crate::model::builder::ModelBuilder;
+use crate::model::error::Error;
+use crate::model::rigid_bodies::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 
 /// A robot: its rigid bodies under gravity, without values of their parameters.
 ///
@@ -95,7 +94,7 @@ impl Robot {
         let Some(known) = known_robot(name) else {
             let meant =
                 probably_meant(name).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
-            let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| robot.name).collect();
+            let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| &*robot.name).collect();
             return Err(Error::UnknownRobot {
                 name: name.to_owned(),
                 remedy: format!(

@@ -1,12 +1,10 @@
 //! The libraries that the tests load.
 
-use std::{
-    collections::HashMap,
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    path::{Path, PathBuf},
-    process::Command,
-    sync::Mutex,
-};
+use std::collections::HashMap;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
 
 use aurt_plugins::{Registry, Trust};
 

@@ -1,6 +1,7 @@
 //! What people read when a library, or what is asked of it, is wrong.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt_experiment::Experiment;
 use aurt_plugins::{Error, Registry, Trust};

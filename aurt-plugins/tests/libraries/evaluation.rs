@@ -25,13 +25,7 @@ fn motion(samples: usize, joints: usize) -> Motion {
 
 fn series(motion: &Motion) -> JointSeries<'_> {
     let view = motion.view();
-    JointSeries {
-        time_s: view.time_s(),
-        position_rad: view.position_rad(0),
-        velocity_rad_s: view.velocity_rad_s(0),
-        acceleration_rad_s2: view.acceleration_rad_s2(0),
-        load_torque: view.acceleration_rad_s2(0),
-    }
+    JointSeries::of(view, 0, view.acceleration_rad_s2(0))
 }
 
 fn columns(model: &dyn JointModel, series: &JointSeries<'_>) -> Vec<Vec<f64>> {

@@ -75,7 +75,8 @@ macro_rules! with_shift {
     };
 }
 
-pub(super) use {with_shift, with_turn};
+pub(super) use with_shift;
+pub(super) use with_turn;
 
 /// A [`Turn`] that is known where the code is compiled.
 pub(super) trait Turned: Copy {

@@ -13,7 +13,7 @@ fn frames(chain: &SerialChain, q: &[f64]) -> Vec<LinkFrame> {
 
 #[test]
 fn names_are_sorted_found_and_guessed() {
-    let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| robot.name).collect();
+    let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| &*robot.name).collect();
     assert!(names.is_sorted(), "{names:?}");
     assert_eq!(known_robot("UR10e").unwrap().name, "ur10e");
     assert!(known_robot("ur11e").is_none());
@@ -68,7 +68,13 @@ fn every_robot_has_as_many_base_parameters_as_its_geometry_gives() {
         ("xarm6", 36),
         ("xarm7", 43),
     ] {
-        let robot = known_robot(name).unwrap().description();
+        let known = known_robot(name).unwrap();
+        let robot = known.description();
+        assert_eq!(
+            (robot.limits.len(), known.joint_names().len()),
+            (known.joints(), known.joints()),
+            "{name}"
+        );
         assert_eq!(base_parameters(&robot.chain(DOWN).unwrap(), 0).unwrap().len(), count, "{name}");
         for limits in &robot.limits {
             assert!(limits.position_rad.is_none_or(|[low, high]| low < high && high - low < 15.0), "{name}");

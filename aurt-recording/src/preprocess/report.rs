@@ -4,8 +4,7 @@ use serde::Serialize;
 
 use crate::error::RecordingError;
 use crate::preprocess::clock::ClockReport;
-use crate::preprocess::options::Decimation;
-use crate::preprocess::options::PreprocessOptions;
+use crate::preprocess::options::{Decimation, PreprocessOptions};
 use crate::preprocess::zero_phase::{FILTER_ORDER, ZeroPhase};
 use crate::recording::Recording;
 use std::fmt;

@@ -5,8 +5,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use aurt_recording::{JointTopic, LongRecording, ReadOptions, RecordingError, mcap, read_recording};
-use flate2::{Compression, write::ZlibEncoder};
-use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 const MEGABYTE: u64 = 1 << 20;
 

@@ -1,6 +1,7 @@
 //! Of long recordings stretches are kept that lie evenly over them; short ones are as they are when read whole.
 
-use std::{fmt::Write, fs};
+use std::fmt::Write;
+use std::fs;
 
 use aurt_recording::{ReadOptions, Recording, Stretches, read_recording};
 use proptest::prelude::*;

@@ -2,11 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::{
-    escape,
-    figure::Figure,
-    page::{Block, Page, Section, Tone},
-};
+use crate::escape;
+use crate::figure::Figure;
+use crate::page::{Block, Page, Section, Tone};
 
 /// The style; colours follow the reader's choice of light or dark.
 const STYLE: &str = include_str!("style.css");

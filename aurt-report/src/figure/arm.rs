@@ -2,11 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{
-    Target,
-    drawing::{self, Sample, text},
-    scale::coordinate,
-};
+use super::Target;
+use super::drawing::{self, Sample, text};
+use super::scale::coordinate;
 use crate::escape;
 
 /// An arm, drawn once for each state of it.

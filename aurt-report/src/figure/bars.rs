@@ -2,11 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{
-    Style, Target,
-    drawing::{self, Sample, class, text},
-    scale::coordinate,
-};
+use super::drawing::{self, Sample, class, text};
+use super::scale::coordinate;
+use super::{Style, Target};
 use crate::escape;
 
 /// Bars that are compared with each other.

@@ -2,12 +2,10 @@
 
 use std::fmt::Write;
 
-use super::{
-    Target,
-    drawing::{self, Sample, class, text},
-    scale::{coordinate, padded, range, ticks},
-    style::{Mark, Style},
-};
+use super::Target;
+use super::drawing::{self, Sample, class, text};
+use super::scale::{coordinate, padded, range, ticks};
+use super::style::{Mark, Style};
 use crate::escape;
 
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -3,11 +3,9 @@
 //! They stand between marks until [`Style::finished`] has escaped everything else. Each process draws its own marks, so that no
 //! text of a file can contain them.
 
-use std::{
-    borrow::Cow,
-    hash::{BuildHasher, RandomState},
-    sync::LazyLock,
-};
+use std::borrow::Cow;
+use std::hash::{BuildHasher, RandomState};
+use std::sync::LazyLock;
 
 use aurt_files::harmless;
 

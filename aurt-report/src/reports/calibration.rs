@@ -5,17 +5,13 @@ use aurt_calibration::Comparison;
 use aurt_files::output::pretty;
 use serde_json::Value;
 
-use super::{
-    figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem},
-    parts,
-};
-use crate::{
-    figure::{Axis, BarGroup, Bars, Figure, Style},
-    page::{Block, Page, Section, Tone, Verdict},
-    rendering::number::{percent, significant},
-    results::metrics::Results,
-    table::{Cell, Table},
-};
+use super::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem};
+use super::parts;
+use crate::figure::{Axis, BarGroup, Bars, Figure, Style};
+use crate::page::{Block, Page, Section, Tone, Verdict};
+use crate::rendering::number::{percent, significant};
+use crate::results::metrics::Results;
+use crate::table::{Cell, Table};
 
 pub fn of_outcome(outcome: &Outcome) -> Page {
     let results = Results::of(outcome, &[]);

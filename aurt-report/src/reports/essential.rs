@@ -2,11 +2,9 @@
 
 use aurt_calibration::EssentialReport;
 
-use crate::{
-    figure::{Axis, Figure, Layer, Mark, Panel, Plot, Style},
-    page::{Block, Section},
-    results::essential::table,
-};
+use crate::figure::{Axis, Figure, Layer, Mark, Panel, Plot, Style};
+use crate::page::{Block, Section};
+use crate::results::essential::table;
 
 /// The picture of the loss and the table of the order.
 pub fn section(report: &EssentialReport) -> Section {

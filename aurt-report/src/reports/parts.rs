@@ -4,11 +4,9 @@ use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueCh
 use aurt_plugins::model::BASE_PARAMETER_SEED;
 use aurt_traits::{RobotModel, RobotNames};
 
-use crate::{
-    page::Block,
-    rendering::number::significant,
-    table::{Cell, Table},
-};
+use crate::page::Block;
+use crate::rendering::number::significant;
+use crate::table::{Cell, Table};
 
 /// The parameters with their intervals; those that nothing excites are set apart.
 pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -> Block {

@@ -2,10 +2,8 @@
 
 use aurt_calibration::{EssentialReport, EssentialStep};
 
-use crate::{
-    rendering::number::significant,
-    table::{Cell, Table},
-};
+use crate::rendering::number::significant;
+use crate::table::{Cell, Table};
 
 /// Eliminations that are shown after the last one that was made.
 const SHOWN_BEYOND: usize = 3;

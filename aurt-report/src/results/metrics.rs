@@ -7,13 +7,11 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::shapes;
-use crate::rendering::{
-    joints::with_names,
-    number::{percent, significant},
-    style::{Emphasis, Style},
-    table::Table,
-    text::wrapped,
-};
+use crate::rendering::joints::with_names;
+use crate::rendering::number::{percent, significant};
+use crate::rendering::style::{Emphasis, Style};
+use crate::rendering::table::Table;
+use crate::rendering::text::wrapped;
 
 /// A calibration with its errors on every recording.
 #[derive(Debug)]

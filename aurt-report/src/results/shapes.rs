@@ -3,7 +3,8 @@
 use aurt_calibration::ShapeReport;
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotNames};
 
-use crate::rendering::{number::significant, table::Table};
+use crate::rendering::number::significant;
+use crate::rendering::table::Table;
 
 /// The shapes with their precision and how the search went.
 pub fn to_text(report: &ShapeReport, unit: MeasurementUnit, names: RobotNames<'_>) -> String {

@@ -5,17 +5,13 @@ use std::fmt::Write as _;
 use aurt::{Asked, Diagnosis, Explanation};
 use aurt_diagnosis::{Answer, Verdict};
 
-use crate::{
-    noise_report::NoiseReport,
-    rendering::{
-        style::{Emphasis, Style},
-        table::Table,
-        text::{WIDTH, wrapped, wrapped_with},
-    },
-    words::{
-        Group, HOW_LARGE, all_indicated, band, claim, explained, follows, groups, headline, nothing,
-        objection, undecidable, visible_gears,
-    },
+use crate::noise_report::NoiseReport;
+use crate::rendering::style::{Emphasis, Style};
+use crate::rendering::table::Table;
+use crate::rendering::text::{WIDTH, wrapped, wrapped_with};
+use crate::words::{
+    Group, HOW_LARGE, all_indicated, band, claim, explained, follows, groups, headline, nothing, objection,
+    undecidable, visible_gears,
 };
 
 #[derive(Debug, Clone, Copy)]
@@ -152,7 +148,8 @@ impl Shown<'_> {
 
 #[cfg(test)]
 mod tests {
-    use aurt_diagnosis::{Indication, JointResidual, vocabulary::Family};
+    use aurt_diagnosis::vocabulary::Family;
+    use aurt_diagnosis::{Indication, JointResidual};
 
     use super::*;
     use crate::words::tests::{finding, verdict};

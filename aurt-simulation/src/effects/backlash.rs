@@ -15,11 +15,8 @@ pub struct Backlash {
 }
 
 impl Physics for Backlash {
-    const IDENTIFIER: &'static str = "backlash";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Either;
+    const KIND: Declaration = Declaration::new("backlash", Family::P, Presence::Either, Takes::One);
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
-    const TAKES: Takes = Takes::One;
     const PARAMETERS: &'static [&'static str] = &["gap_rad"];
     const SUITS: fn(&Robot, usize) -> bool = heavy_link;
 
@@ -39,7 +36,7 @@ impl Physics for Backlash {
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        check_rotors(complaints, Self::IDENTIFIER, &[self.joint]);
+        check_rotors(complaints, Self::KIND.identifier, &[self.joint]);
         complaints.within("play of the gear in rad", self.gap_rad, 0.0, 0.5);
         complaints.within("stiffness of the flanks in Nm/rad", self.stiffness_nm_rad, 1.0, 1e7);
         complaints.within("damping of the flanks in Nm s/rad", self.damping_nm_s, 0.0, 1e4);
@@ -47,6 +44,6 @@ impl Physics for Backlash {
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         let Self { joint, gap_rad, stiffness_nm_rad, damping_nm_s } = *self;
-        make_compliant(setup, Self::IDENTIFIER, joint, stiffness_nm_rad, damping_nm_s, gap_rad)
+        make_compliant(setup, Self::KIND.identifier, joint, stiffness_nm_rad, damping_nm_s, gap_rad)
     }
 }

@@ -23,10 +23,7 @@ impl BaseTilt {
 }
 
 impl Physics for BaseTilt {
-    const IDENTIFIER: &'static str = "base_tilt";
-    const FAMILY: Family = Family::I;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::All;
+    const KIND: Declaration = Declaration::new("base_tilt", Family::I, Presence::Either, Takes::All);
     const PARAMETERS: &'static [&'static str] = &["roll_rad", "pitch_rad"];
 
     fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {

@@ -12,10 +12,7 @@ pub struct CoulombAsymmetry {
 }
 
 impl Physics for CoulombAsymmetry {
-    const IDENTIFIER: &'static str = "coulomb_asymmetry";
-    const FAMILY: Family = Family::F;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration = Declaration::new("coulomb_asymmetry", Family::F, Presence::Either, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] =
         &[("mean_nm", [0.0, 1e4]), ("half_difference_nm", [-1e4, 1e4])];
 

@@ -13,10 +13,8 @@ pub struct DriveEfficiency {
 }
 
 impl Physics for DriveEfficiency {
-    const IDENTIFIER: &'static str = "drive_efficiency";
-    const FAMILY: Family = Family::L;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration =
+        Declaration::new("drive_efficiency", Family::L, Presence::Structural, Takes::Few);
     const PARAMETERS: &'static [&'static str] = &["driving", "driven"];
     const SUITS: fn(&Robot, usize) -> bool = constant_level;
     const VALUES: &'static [(&'static str, [f64; 2])] = &[("driving", [0.0, 0.9]), ("driven", [0.0, 0.9])];

@@ -10,10 +10,7 @@ pub struct DroppedSamples {
 }
 
 impl Physics for DroppedSamples {
-    const IDENTIFIER: &'static str = "dropped_samples";
-    const FAMILY: Family = Family::Q;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::All;
+    const KIND: Declaration = Declaration::new("dropped_samples", Family::Q, Presence::Either, Takes::All);
 
     fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
         let share = random.between(0.01, 0.03);

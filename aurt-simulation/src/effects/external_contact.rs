@@ -20,10 +20,7 @@ const EDGE_S: f64 = 0.08;
 const LARGEST_N: f64 = 400.0;
 
 impl Physics for ExternalContact {
-    const IDENTIFIER: &'static str = "external_contact";
-    const FAMILY: Family = Family::X;
-    const PRESENCE: Presence = Presence::Later;
-    const TAKES: Takes = Takes::All;
+    const KIND: Declaration = Declaration::new("external_contact", Family::X, Presence::Later, Takes::All);
     const PARAMETERS: &'static [&'static str] = &["link"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

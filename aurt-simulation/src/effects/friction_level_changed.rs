@@ -13,10 +13,8 @@ pub struct FrictionLevelChanged {
 }
 
 impl Physics for FrictionLevelChanged {
-    const IDENTIFIER: &'static str = "friction_level_changed";
-    const FAMILY: Family = Family::F;
-    const PRESENCE: Presence = Presence::Later;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration =
+        Declaration::new("friction_level_changed", Family::F, Presence::Later, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] =
         &[("coulomb_change", [-1.0, 10.0]), ("viscous_change", [-1.0, 10.0])];
 

@@ -18,10 +18,8 @@ pub struct JointCouplingFriction {
 }
 
 impl Physics for JointCouplingFriction {
-    const IDENTIFIER: &'static str = "joint_coupling_friction";
-    const FAMILY: Family = Family::C;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Pair;
+    const KIND: Declaration =
+        Declaration::new("joint_coupling_friction", Family::C, Presence::Structural, Takes::Pair);
     const PARAMETERS: &'static [&'static str] =
         &["partner", "ratio", "inertia_kg_m2", "viscous_nm_s", "coulomb_nm"];
 
@@ -77,7 +75,7 @@ impl Physics for JointCouplingFriction {
         for joint in self.joints() {
             if setup.machine.joints[joint].gear != Gear::Rigid {
                 let reason = "a coupled rotor needs rigid gears";
-                return Err(conflict(Self::IDENTIFIER, "a compliant gear", joint, reason));
+                return Err(conflict(Self::KIND.identifier, "a compliant gear", joint, reason));
             }
         }
         setup.machine.couplings.push(CoupledRotor {

@@ -33,11 +33,9 @@ pub(super) fn gear_damping_nm_s(robot: &Robot, joint: usize, stiffness_nm_rad: f
 }
 
 impl Physics for JointElasticity {
-    const IDENTIFIER: &'static str = "joint_elasticity";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Structural;
+    const KIND: Declaration =
+        Declaration::new("joint_elasticity", Family::P, Presence::Structural, Takes::Few);
     const ROTORS: Option<Rotors> = Some(Rotors::Geared);
-    const TAKES: Takes = Takes::Few;
     const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "damping_nm_s"];
     const SUITS: fn(&Robot, usize) -> bool = heavy_link;
     const VALUES: &'static [(&'static str, [f64; 2])] =
@@ -71,14 +69,14 @@ impl Physics for JointElasticity {
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        check_rotors(complaints, Self::IDENTIFIER, &self.joints);
+        check_rotors(complaints, Self::KIND.identifier, &self.joints);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         for ((joint, stiffness), damping) in
             self.joints.iter().zip(&self.stiffness_nm_rad).zip(&self.damping_nm_s)
         {
-            make_compliant(setup, Self::IDENTIFIER, *joint, *stiffness, *damping, 0.0)?;
+            make_compliant(setup, Self::KIND.identifier, *joint, *stiffness, *damping, 0.0)?;
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ mod viscous_nonlinear;
 pub use catalogue::{catalogue, kind, kind_among, read_effect};
 pub use effect::{Effect, Factor, Hidden, Setup, check_joints, check_values, conflict};
 pub use kind::{Draw, EffectKind, Family, Presence, Shapes, Takes};
-pub use physics::{Checks, Physics};
+pub use physics::{Checks, Declaration, Physics};
 pub use presliding_hysteresis::BristleModel;
 pub use stribeck::Curve;
 
@@ -48,14 +48,13 @@ pub mod declaring {
 
     pub(crate) use super::physics::per_joint;
 
+    pub use super::kind::constant_level;
     pub use super::{
-        Checks, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict, kind::constant_level,
+        Checks, Declaration, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict,
     };
-    pub use crate::{
-        error::SimulationError,
-        random::Random,
-        robots::{Robot, Rotors},
-    };
+    pub use crate::error::SimulationError;
+    pub use crate::random::Random;
+    pub use crate::robots::{Robot, Rotors};
 }
 
 /// The types of the effects, and the catalogue of their kinds.

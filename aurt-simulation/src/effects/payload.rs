@@ -26,10 +26,7 @@ impl Payload {
 }
 
 impl Physics for Payload {
-    const IDENTIFIER: &'static str = "payload";
-    const FAMILY: Family = Family::I;
-    const PRESENCE: Presence = Presence::Later;
-    const TAKES: Takes = Takes::All;
+    const KIND: Declaration = Declaration::new("payload", Family::I, Presence::Later, Takes::All);
     const PARAMETERS: &'static [&'static str] = &["mass_kg", "link"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

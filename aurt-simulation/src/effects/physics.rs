@@ -13,16 +13,28 @@ use crate::error::{Complaints, SimulationError};
 use crate::random::Random;
 use crate::robots::{Robot, Rotors};
 
+/// The names of an effect, in which recordings it can be, and how many joints it takes.
+#[derive(Debug, Clone, Copy)]
+pub struct Declaration {
+    /// Identifier, snake_case.
+    pub identifier: &'static str,
+    pub family: Family,
+    pub presence: Presence,
+    pub takes: Takes,
+}
+
+impl Declaration {
+    pub const fn new(identifier: &'static str, family: Family, presence: Presence, takes: Takes) -> Self {
+        Self { identifier, family, presence, takes }
+    }
+}
+
 /// An effect as its file declares it: its names, what it is drawn from, and what it does to the machine. Whatever has
 /// this is an [`Effect`] of the kind [`EffectKind::of`] it.
 pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static {
-    /// Identifier, snake_case.
-    const IDENTIFIER: &'static str;
-    const FAMILY: Family;
-    const PRESENCE: Presence;
+    const KIND: Declaration;
     /// Where the rotors' inertia has to be, if that matters.
     const ROTORS: Option<Rotors> = None;
-    const TAKES: Takes;
 
     /// Its parameters, by the names of their fields.
     const PARAMETERS: &'static [&'static str] = &[];
@@ -100,10 +112,8 @@ macro_rules! per_joint {
         }
 
         impl Physics for $effect {
-            const IDENTIFIER: &'static str = $identifier;
-            const FAMILY: Family = Family::$family;
-            const PRESENCE: Presence = Presence::$presence;
-            const TAKES: Takes = Takes::$takes;
+            const KIND: Declaration =
+                Declaration::new($identifier, Family::$family, Presence::$presence, Takes::$takes);
             const PARAMETERS: &'static [&'static str] = &[stringify!($field)];
             const VALUES: &'static [(&'static str, [f64; 2])] = &[(stringify!($field), $bounds)];
 
@@ -129,7 +139,7 @@ pub(crate) use per_joint;
 
 impl<P: Physics> Effect for P {
     fn identifier(&self) -> &'static str {
-        P::IDENTIFIER
+        P::KIND.identifier
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -154,13 +164,20 @@ impl<P: Physics> Effect for P {
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
         let joints = P::joints(self);
-        let mut checks = Checks { found: Complaints::default(), effect: P::IDENTIFIER, joints, robot };
-        if matches!(P::TAKES, Takes::One | Takes::Few) {
-            check_joints(&mut checks.found, P::IDENTIFIER, &checks.joints, robot);
+        let mut checks = Checks { found: Complaints::default(), effect: P::KIND.identifier, joints, robot };
+        if matches!(P::KIND.takes, Takes::One | Takes::Few) {
+            check_joints(&mut checks.found, P::KIND.identifier, &checks.joints, robot);
         }
         for (name, [low, high]) in P::VALUES {
             let bounds = (*low, *high);
-            check_values(&mut checks.found, P::IDENTIFIER, name, &checks.joints, &self.numbers(name), bounds);
+            check_values(
+                &mut checks.found,
+                P::KIND.identifier,
+                name,
+                &checks.joints,
+                &self.numbers(name),
+                bounds,
+            );
         }
         self.check(&mut checks);
         checks.found.finish()
@@ -178,11 +195,11 @@ impl<P: Physics> Effect for P {
 impl EffectKind {
     pub const fn of<P: Physics>() -> Self {
         Self {
-            identifier: P::IDENTIFIER,
-            family: P::FAMILY,
-            presence: P::PRESENCE,
+            identifier: P::KIND.identifier,
+            family: P::KIND.family,
+            presence: P::KIND.presence,
             rotors: P::ROTORS,
-            takes: P::TAKES,
+            takes: P::KIND.takes,
             suits: P::SUITS,
             draw: |context, random| Box::new(P::draw(context, random)),
             read: |fields| Ok(Box::new(serde_json::from_value::<P>(fields)?)),

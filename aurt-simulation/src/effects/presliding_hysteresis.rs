@@ -53,10 +53,8 @@ impl PreslidingHysteresis {
 }
 
 impl Physics for PreslidingHysteresis {
-    const IDENTIFIER: &'static str = "presliding_hysteresis";
-    const FAMILY: Family = Family::H;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration =
+        Declaration::new("presliding_hysteresis", Family::H, Presence::Structural, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] = &[("distance_rad", [1e-5, 1.0])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
@@ -93,12 +91,12 @@ impl Physics for PreslidingHysteresis {
             let physics = &mut setup.machine.joints[*joint];
             if physics.bristle.is_some() {
                 let reason = "friction has one memory";
-                return Err(conflict(Self::IDENTIFIER, Self::IDENTIFIER, *joint, reason));
+                return Err(conflict(Self::KIND.identifier, Self::KIND.identifier, *joint, reason));
             }
             let level = 0.5 * (physics.coulomb_nm[0] + physics.coulomb_nm[1]);
             if level <= 0.0 {
                 let reason = "there is no dry friction that could build up";
-                return Err(conflict(Self::IDENTIFIER, "absent Coulomb friction", *joint, reason));
+                return Err(conflict(Self::KIND.identifier, "absent Coulomb friction", *joint, reason));
             }
             physics.bristle = Some(self.bristle(*distance, level, viscous));
         }

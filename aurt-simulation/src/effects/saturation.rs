@@ -11,10 +11,7 @@ pub struct Saturation {
 }
 
 impl Physics for Saturation {
-    const IDENTIFIER: &'static str = "saturation";
-    const FAMILY: Family = Family::D;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration = Declaration::new("saturation", Family::D, Presence::Either, Takes::One);
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
         let joint = context.drive().0;

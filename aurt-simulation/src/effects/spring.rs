@@ -12,10 +12,7 @@ pub struct Spring {
 }
 
 impl Physics for Spring {
-    const IDENTIFIER: &'static str = "spring";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration = Declaration::new("spring", Family::P, Presence::Either, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["stiffness_nm_rad", "rest_rad"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -19,10 +19,7 @@ pub struct Stribeck {
 }
 
 impl Physics for Stribeck {
-    const IDENTIFIER: &'static str = "stribeck";
-    const FAMILY: Family = Family::F;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration = Declaration::new("stribeck", Family::F, Presence::Structural, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] =
         &[("excess_nm", [0.0, 1e4]), ("coulomb_nm", [0.0, 1e4])];
 

@@ -33,10 +33,8 @@ impl TemperatureDependentFriction {
 }
 
 impl Physics for TemperatureDependentFriction {
-    const IDENTIFIER: &'static str = "temperature_dependent_friction";
-    const FAMILY: Family = Family::V;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration =
+        Declaration::new("temperature_dependent_friction", Family::V, Presence::Structural, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] = &[("fall_per_k", [0.0, 0.5])];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -9,10 +9,7 @@ pub struct TimeDelay {
 }
 
 impl Physics for TimeDelay {
-    const IDENTIFIER: &'static str = "time_delay";
-    const FAMILY: Family = Family::D;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::All;
+    const KIND: Declaration = Declaration::new("time_delay", Family::D, Presence::Either, Takes::All);
     const PARAMETERS: &'static [&'static str] = &["delay_s"];
 
     fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {

@@ -16,10 +16,7 @@ pub struct TorqueRipple {
 }
 
 impl Physics for TorqueRipple {
-    const IDENTIFIER: &'static str = "torque_ripple";
-    const FAMILY: Family = Family::P;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::One;
+    const KIND: Declaration = Declaration::new("torque_ripple", Family::P, Presence::Structural, Takes::One);
     const PARAMETERS: &'static [&'static str] = &["order", "amplitude_nm"];
 
     fn draw(context: &Draw<'_>, random: &mut Random) -> Self {

@@ -14,10 +14,7 @@ pub struct ViscousAsymmetry {
 }
 
 impl Physics for ViscousAsymmetry {
-    const IDENTIFIER: &'static str = "viscous_asymmetry";
-    const FAMILY: Family = Family::V;
-    const PRESENCE: Presence = Presence::Either;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration = Declaration::new("viscous_asymmetry", Family::V, Presence::Either, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] =
         &[("mean_nm_s", [0.0, 1e4]), ("half_difference_nm_s", [-1e4, 1e4])];
 

@@ -36,10 +36,8 @@ impl ViscousNonlinear {
 }
 
 impl Physics for ViscousNonlinear {
-    const IDENTIFIER: &'static str = "viscous_nonlinear";
-    const FAMILY: Family = Family::V;
-    const PRESENCE: Presence = Presence::Structural;
-    const TAKES: Takes = Takes::Few;
+    const KIND: Declaration =
+        Declaration::new("viscous_nonlinear", Family::V, Presence::Structural, Takes::Few);
     const VALUES: &'static [(&'static str, [f64; 2])] =
         &[("bend_nm", [0.0, 1e4]), ("slope_nm_s", [0.0, 1e4]), ("reference_rad_s", [1e-3, 1e3])];
 
@@ -64,7 +62,7 @@ impl Physics for ViscousNonlinear {
     }
 
     fn check(&self, complaints: &mut Checks<'_>) {
-        let (name, joints) = (Self::IDENTIFIER, &self.joints);
+        let (name, joints) = (Self::KIND.identifier, &self.joints);
         complaints.within("onset of the bend", self.onset, 1e-3, 10.0);
         if !complaints.0.is_empty() {
             return;

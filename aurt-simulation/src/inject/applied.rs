@@ -1,11 +1,8 @@
 use aurt_recording::Recording;
 
-use super::bodies;
-use super::friction;
-use super::instrument;
 use super::law::{Added, Law};
-use super::outside;
 use super::scene::Scene;
+use super::{bodies, friction, instrument, outside};
 use crate::error::SimulationError;
 
 impl Added {

@@ -4,7 +4,8 @@ use aurt_rbd::base_parameters;
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor};
 
 use super::real::Structure;
-use crate::{error::SimulationError, robots::Robot};
+use crate::error::SimulationError;
+use crate::robots::Robot;
 
 /// The columns of a structure along motions: base inertial parameters, then the joints' terms.
 #[derive(Debug, Clone)]

@@ -1,8 +1,7 @@
 //! Laws of friction, dry and viscous, with and without load and memory.
 
 use super::law::{Added, Law};
-use super::scene::Scene;
-use super::scene::direction;
+use super::scene::{Scene, direction};
 
 pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {
     let mut torques = scene.nothing();

@@ -2,11 +2,8 @@
 
 use std::cell::RefCell;
 
-use serde::{
-    Deserializer,
-    de::{DeserializeOwned, DeserializeSeed, IntoDeserializer, MapAccess, Visitor},
-    forward_to_deserialize_any,
-};
+use serde::de::{DeserializeOwned, DeserializeSeed, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserializer, forward_to_deserialize_any};
 use serde_json::{Error, Map, Value};
 
 /// The keys of a model, its name first, as `typetag` wants it.

@@ -1,17 +1,15 @@
 //! The models of a Rust crate as the ABI's tables; what [`export_plugin!`](crate::export_plugin) exports.
 
-use std::{
-    any::Any,
-    ffi::{c_char, c_void},
-    panic::{AssertUnwindSafe, catch_unwind},
-    ptr, slice,
-    sync::OnceLock,
-};
+use std::any::Any;
+use std::ffi::{c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
+use std::{ptr, slice};
 
+use super::instance::{Instance, c_string};
 use super::{
     ABI_MAJOR, ABI_MINOR, ARM_TERM, COULOMB, Declaration, Description, ErrorBuffer, FAILED, HYSTERESIS,
     MAGIC, ModelTable, OK, PANICKED, Series, VISCOUS,
-    instance::{Instance, c_string},
 };
 use crate::{Columns, ModelEntry, Slot};
 

@@ -1,16 +1,16 @@
 //! A model behind the ABI: made from its configuration, described in C's terms.
 
-use std::{
-    ffi::{CStr, CString, c_char},
-    ptr,
-    sync::{Mutex, PoisonError},
-};
+use std::ffi::{CStr, CString, c_char};
+use std::ptr;
+use std::sync::{Mutex, PoisonError};
 
 use serde_json::{Map, Value};
 
+use super::configuration::Keyed;
+use super::no_bodies::NoBodies;
 use super::{
     ARM_TERM, COULOMB, ColumnDescription, Description, HYSTERESIS, LINEAR, LOGARITHMIC, ModelTable, NO_ROBOT,
-    Series, ShapeDescription, VISCOUS, configuration::Keyed, no_bodies::NoBodies,
+    Series, ShapeDescription, VISCOUS,
 };
 use crate::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, ModelError, Parameter, Scale,

@@ -1,6 +1,7 @@
 //! The rigid bodies that an arm term in a library sees: none.
 
-use serde::{Serialize, Serializer, ser::Error};
+use serde::ser::Error;
+use serde::{Serialize, Serializer};
 
 use crate::{MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 

@@ -7,7 +7,8 @@
 
 mod overlay;
 
-use std::{fmt, ops::Range};
+use std::fmt;
+use std::ops::Range;
 
 use aurt_recording::median_step_s;
 use overlay::{Cursor, Overlay, linear};

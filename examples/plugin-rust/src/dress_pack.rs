@@ -1,8 +1,8 @@
 //! Hoses and cables between two links.
 
+use aurt_traits::reexport::typetag;
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, reexport::typetag,
-    register_model,
+    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,9 @@
 //! Viscous friction of a lubricant that gives way under shear.
 
+use aurt_traits::reexport::typetag;
 use aurt_traits::{
     Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, Scale, ShapeParameter,
-    ViscousBasis, reexport::typetag, register_model,
+    ViscousBasis, register_model,
 };
 use serde::{Deserialize, Serialize};
 

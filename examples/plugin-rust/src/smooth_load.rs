@@ -1,8 +1,9 @@
 //! A Coulomb level that grows with the load, without a kink at zero load.
 
+use aurt_traits::reexport::typetag;
 use aurt_traits::{
     Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    reexport::typetag, register_model,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 

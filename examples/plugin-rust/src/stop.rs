@@ -1,8 +1,9 @@
 //! Presliding as a spring that slips at a threshold.
 
+use aurt_traits::reexport::typetag;
 use aurt_traits::{
     Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, Scale,
-    ShapeParameter, reexport::typetag, register_model,
+    ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

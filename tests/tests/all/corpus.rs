@@ -1,11 +1,13 @@
 //! What the fuzzer found worth keeping (`fuzz/corpus`), and damaged copies of it, through everything that reads files.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt::simulation::effects;
 use aurt_plugins::Registry;
 use aurt_tests::any_input::TARGETS;
-use proptest::{prelude::*, test_runner::TestRunner};
+use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 /// Damaged copies of all inputs of a target.

@@ -1,9 +1,7 @@
 //! What the documentation shows is true: experiments parse, links lead somewhere, output is what comes out.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;

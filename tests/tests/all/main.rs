@@ -4,6 +4,5 @@
 mod any_text;
 mod corpus;
 mod documentation;
-mod recovery;
 mod structure;
 mod unsafe_code;

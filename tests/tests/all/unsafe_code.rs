@@ -1,10 +1,8 @@
 //! The inventory of `unsafe` in the documentation has every file that contains it, and no other.
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const INVENTORY: &str = "docs/reliability.md";

@@ -5,18 +5,14 @@ use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
 use aurt_calibration::NamedRecording;
 use aurt_diagnosis::RecordingFaults;
 use aurt_recording::{Preprocessed, RecordedAs, Segment, StampUnit, TimeUnit};
-use aurt_report::rendering::{
-    style::{Emphasis, Style},
-    table::Table,
-    text::wrapped,
-};
+use aurt_report::rendering::style::{Emphasis, Style};
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped;
 use aurt_traits::{ModelError, Motion, RobotNames};
 use serde_json::{Value, json};
 
-use super::{
-    joints::{JointReport, tables},
-    judged::Judged,
-};
+use super::joints::{JointReport, tables};
+use super::judged::Judged;
 use crate::doctor::mistakes::oddities;
 
 /// A recording in the unit that its stamps are in.

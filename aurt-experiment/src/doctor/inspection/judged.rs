@@ -6,7 +6,8 @@ use aurt_calibration::{
     calibrate, hardly_excited,
 };
 use aurt_plugins::{Registry, SlotModel};
-use aurt_report::rendering::{number::significant, text::wrapped};
+use aurt_report::rendering::number::significant;
+use aurt_report::rendering::text::wrapped;
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
 };

@@ -6,12 +6,10 @@ use aurt_rbd::MdhRows;
 use aurt_recording::TimeUnit;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table as TomlTable, TableLike, Value};
 
-use super::{
-    Examination,
-    mistake::{Columns, Mistake, Reading, Table},
-    setup::{Subject, median_period_s},
-    wording::undone,
-};
+use super::Examination;
+use super::mistake::{Columns, Mistake, Reading, Table};
+use super::setup::{Subject, median_period_s};
+use super::wording::undone;
 
 /// The corrected text, and what it cannot express and remains to be done by hand.
 pub fn corrected(

@@ -6,7 +6,8 @@ use aurt::{RecordingResult, Role};
 use aurt_report::rendering::number::significant;
 use aurt_traits::RobotNames;
 
-use super::{setup::SLOW_SHARE, trial::FittedRows};
+use super::setup::SLOW_SHARE;
+use super::trial::FittedRows;
 
 /// Below this share a joint counts as hardly explained.
 pub(super) const LEAST_EXPLAINED: f64 = 0.5;

@@ -2,13 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::{
-    evidence::Evidence,
-    mistake::{Mistake, Table},
-    setup::{Setup, Subject},
-    trial::{Bench, Score},
-    usual::usual,
-};
+use super::evidence::Evidence;
+use super::mistake::{Mistake, Table};
+use super::setup::{Setup, Subject};
+use super::trial::{Bench, Score};
+use super::usual::usual;
 
 /// Setups in which one recording judges and all others are fitted; none of a single recording.
 pub fn folds(setup: &Setup) -> Vec<(usize, Setup)> {

@@ -1,6 +1,8 @@
 //! The result of a search for mistakes.
 
-use super::{evidence::Evidence, mistake::Mistake, trial::Score};
+use super::evidence::Evidence;
+use super::mistake::Mistake;
+use super::trial::Score;
 
 /// The result of the search.
 #[derive(Debug, Clone, Default)]

@@ -4,14 +4,12 @@
 //! therefore fitted by itself: its own row holds the first moments under gravity and, with the sign of the motor that friction
 //! tells, in the forces of inertia. A motion that is too slow for these says nothing of the sign.
 
-use super::{
-    evidence::{Evidence, TESTS},
-    folds::within,
-    found::Step,
-    mistake::Mistake,
-    setup::Setup,
-    trial::Bench,
-};
+use super::evidence::{Evidence, TESTS};
+use super::folds::within;
+use super::found::Step;
+use super::mistake::Mistake;
+use super::setup::Setup;
+use super::trial::Bench;
 
 /// A gain that is no difference: gravity acts on no joint.
 const NO_DIFFERENCE: f64 = 1e-9;

@@ -29,29 +29,23 @@ mod variations;
 mod wording;
 
 use aurt_plugins::Registry;
-use aurt_report::rendering::{
-    style::{Emphasis, Style},
-    text::wrapped,
-};
+use aurt_report::rendering::style::{Emphasis, Style};
+use aurt_report::rendering::text::wrapped;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
-pub use self::{
-    columns::oddities,
-    correction::corrected,
-    explained::{Poor, loudly, poorly_explained},
-    found::{Found, Step},
-    mistake::{Columns, Mistake, Reading, Table},
-    setup::{Subject, median_period_s, recordings_of},
-    trial::Score,
-};
-use self::{
-    gravity::GravitySign,
-    recordings::search_recordings,
-    search::{Thorough, search},
-    setup::{Extent, Setup},
-    trial::Bench,
-};
+pub use self::columns::oddities;
+pub use self::correction::corrected;
+pub use self::explained::{Poor, loudly, poorly_explained};
+pub use self::found::{Found, Step};
+use self::gravity::GravitySign;
+pub use self::mistake::{Columns, Mistake, Reading, Table};
+use self::recordings::search_recordings;
+use self::search::{Thorough, search};
+use self::setup::{Extent, Setup};
+pub use self::setup::{Subject, median_period_s, recordings_of};
+use self::trial::Bench;
+pub use self::trial::Score;
 use crate::doctor::inspection::judged::{friction, often_left_out, plain_friction};
 use crate::workbench::failure::Failure;
 

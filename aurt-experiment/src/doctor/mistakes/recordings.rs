@@ -7,15 +7,13 @@
 
 use crate::workbench::failure::Failure;
 
-use super::{
-    explained::{Poor, heaviest},
-    folds::folds,
-    found::{Found, Step},
-    mistake::{Columns, Mistake, Reading, exchanged, pairs},
-    search::{Search, is_explained},
-    setup::{Extent, Part, Setup, Subject},
-    trial::{Bench, Fit, FittedRows},
-};
+use super::explained::{Poor, heaviest};
+use super::folds::folds;
+use super::found::{Found, Step};
+use super::mistake::{Columns, Mistake, Reading, exchanged, pairs};
+use super::search::{Search, is_explained};
+use super::setup::{Extent, Part, Setup, Subject};
+use super::trial::{Bench, Fit, FittedRows};
 
 /// Mistakes inside recordings that are told at most.
 const MOST: usize = 4;

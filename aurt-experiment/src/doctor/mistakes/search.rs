@@ -2,17 +2,15 @@
 
 use rayon::prelude::*;
 
-use super::{
-    evidence::{Evidence, TESTS},
-    explained::LEAST_EXPLAINED,
-    folds::{folds, likelier, within},
-    found::{Compared, Found, Step},
-    mistake::{Mistake, Reading},
-    setup::{Setup, Subject},
-    trial::{Bench, Score, WORST},
-    usual::{is_likely, of_file, usual},
-    variations::variations,
-};
+use super::evidence::{Evidence, TESTS};
+use super::explained::LEAST_EXPLAINED;
+use super::folds::{folds, likelier, within};
+use super::found::{Compared, Found, Step};
+use super::mistake::{Mistake, Reading};
+use super::setup::{Setup, Subject};
+use super::trial::{Bench, Score, WORST};
+use super::usual::{is_likely, of_file, usual};
+use super::variations::variations;
 
 /// Of a setup whose error is below this at every joint only the likely mistakes are tried.
 const FINE: f64 = 0.2;

@@ -1,20 +1,15 @@
 //! What is tried: a robot's geometry under gravity with recordings of it, small enough to be fitted many times.
 
-use std::{
-    any::Any,
-    sync::{Arc, OnceLock},
-};
+use std::any::Any;
+use std::sync::{Arc, OnceLock};
 
-use crate::workbench::{experiments::windowed, failure::Failure};
-use crate::{
-    Experiment,
-    experiment::{Geometry, Robot},
-};
-use aurt::{
-    Role,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
-    fitting::Assigned,
-};
+use crate::Experiment;
+use crate::experiment::{Geometry, Robot};
+use crate::workbench::experiments::windowed;
+use crate::workbench::failure::Failure;
+use aurt::Role;
+use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
+use aurt::fitting::Assigned;
 use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_diagnosis::RecordingFaults;
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};

@@ -6,10 +6,8 @@ use aurt_rbd::robots::KNOWN_ROBOTS;
 use aurt_rbd::{Joint, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
 use aurt_traits::MeasurementUnit;
 
-use super::{
-    mistake::{Columns, Mistake, Reading, Table, exchanged, pairs},
-    setup::{Setup, Subject},
-};
+use super::mistake::{Columns, Mistake, Reading, Table, exchanged, pairs};
+use super::setup::{Setup, Subject};
 
 /// The earth's gravity, m/s².
 pub const EARTH_M_S2: f64 = 9.81;
@@ -129,7 +127,7 @@ fn tables(subject: &Subject, now: &[Joint]) -> Vec<Mistake> {
     if subject.name.is_some() {
         for robot in KNOWN_ROBOTS.iter().filter(|r| r.joints() == now.len()) {
             if let Ok(chain) = robot.description().chain([0.0; 3]) {
-                tables.push((Table::Known(robot.name), chain.joints().to_vec()));
+                tables.push((Table::Known(&robot.name), chain.joints().to_vec()));
             }
         }
     }

@@ -4,11 +4,9 @@ use aurt_rbd::MdhRows;
 use aurt_report::rendering::number::significant;
 use aurt_traits::RobotNames;
 
-use super::{
-    found::Step,
-    mistake::{Columns, Mistake, Reading, Table},
-    trial::Score,
-};
+use super::found::Step;
+use super::mistake::{Columns, Mistake, Reading, Table};
+use super::trial::Score;
 
 /// Of what explains the data as well, how many are told by name.
 const TOLD: usize = 2;

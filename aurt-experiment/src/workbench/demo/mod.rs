@@ -1,11 +1,8 @@
 //! The recordings of `aurt demo`: a simulated UR10e whose friction is known, and the same robot after something
 //! has changed.
 
-use aurt_simulation::{
-    Logger, Motion, Robot, Scenario, SimulationError,
-    effects::{Effect, Payload},
-    robots, simulate,
-};
+use aurt_simulation::effects::{Effect, Payload};
+use aurt_simulation::{Logger, Motion, Robot, Scenario, SimulationError, robots, simulate};
 
 /// The experiment, as it is written into the demo's folder.
 pub const EXPERIMENT: &str = include_str!("experiment.toml");

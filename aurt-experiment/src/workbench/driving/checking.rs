@@ -4,22 +4,16 @@ use std::fmt::Write;
 
 use crate::Experiment;
 use aurt::Progress;
-use aurt_calibration::{
-    drives::{DriveRecording, DrivenArm, OutputErrorFit, Selection, output_error, stem},
-    with_deviation,
-};
+use aurt_calibration::drives::{DriveRecording, DrivenArm, OutputErrorFit, Selection, output_error, stem};
+use aurt_calibration::with_deviation;
 use aurt_diagnosis::drives::{Missed, compare};
 use aurt_traits::{CommandSignal, RobotNames};
 use serde_json::json;
 
-use super::{
-    DriveOutcome, Judged,
-    doubts::{of_rollouts, rows_per_command},
-    gravity::{LEVEL, upside_down},
-    note_lines,
-    setting::{Read, Setting},
-    warnings,
-};
+use super::doubts::{of_rollouts, rows_per_command};
+use super::gravity::{LEVEL, upside_down};
+use super::setting::{Read, Setting};
+use super::{DriveOutcome, Judged, note_lines, warnings};
 use crate::workbench::failure::Failure;
 
 /// Checks the recordings of an experiment and tells how its commands act between two rows: the drive is estimated with commands

@@ -4,10 +4,8 @@ use std::fmt::Write;
 
 use crate::Experiment;
 use aurt::Progress;
-use aurt_calibration::{
-    drives::{DriveRecording, Options},
-    with_deviation,
-};
+use aurt_calibration::drives::{DriveRecording, Options};
+use aurt_calibration::with_deviation;
 use aurt_diagnosis::drives::{
     Answer, Comparison, Demands, Diagnosis, Finding, Objection, Structure, deciders, diagnose, is_beyond,
 };
@@ -17,11 +15,11 @@ use aurt_rbd::SerialChain;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
-use super::{
-    CalibratedDrive, DriveOutcome, REMEDY, note_lines, of_joint, open_lines, rival::rests, setting::Setting,
-    warnings,
-};
-use crate::workbench::{diagnosing::selection, failure::Failure};
+use super::rival::rests;
+use super::setting::Setting;
+use super::{CalibratedDrive, DriveOutcome, REMEDY, note_lines, of_joint, open_lines, warnings};
+use crate::workbench::diagnosing::selection;
+use crate::workbench::failure::Failure;
 
 /// The file of the model with what a diagnosis found to be missing.
 pub const IMPROVED_DRIVE_FILE: &str = "drive_improved.json";

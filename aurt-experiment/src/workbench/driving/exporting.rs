@@ -8,10 +8,11 @@ use aurt_rbd::robots::{Part, parse};
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::RobotJoints;
 
-use super::{
-    CalibratedDrive, UNLIMITED, braking, fits::mjcf, follows_positions, number_of, second_opinion::given,
-};
-use crate::workbench::{exporting::Exported, failure::Failure};
+use super::fits::mjcf;
+use super::second_opinion::given;
+use super::{CalibratedDrive, UNLIMITED, braking, follows_positions, number_of};
+use crate::workbench::exporting::Exported;
+use crate::workbench::failure::Failure;
 
 /// A stop that is not there beside one that is, rad.
 const FAR_RAD: f64 = 1e3;

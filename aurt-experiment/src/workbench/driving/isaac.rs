@@ -7,12 +7,10 @@ use aurt_diagnosis::drives::Missed;
 use aurt_export::isaac::{self, Actuator};
 use aurt_traits::CommandSignal;
 
-use super::{
-    CalibratedDrive, UNLIMITED, braking, follows_positions, number_of,
-    setting::{of_drive, options_of, read_all},
-    values,
-};
-use crate::workbench::{exporting::Exported, failure::Failure};
+use super::setting::{of_drive, options_of, read_all};
+use super::{CalibratedDrive, UNLIMITED, braking, follows_positions, number_of, values};
+use crate::workbench::exporting::Exported;
+use crate::workbench::failure::Failure;
 
 /// What Isaac Lab has no number for, with the value at which it does nothing. Its friction of rest ends with the first motion.
 const DROPPED: [(&str, f64); 9] = [

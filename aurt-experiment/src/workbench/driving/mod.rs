@@ -1,9 +1,11 @@
 //! Experiments with a `[drive]`: commands and positions instead of torques.
 
-use std::{fmt::Write, path::Path};
+use std::fmt::Write;
+use std::path::Path;
 
 use crate::Experiment;
-use aurt::{Progress, data::Source};
+use aurt::Progress;
+use aurt::data::Source;
 use aurt_calibration::drives::{
     DriveRecording, DrivenArm, DrivenJoint, OutputErrorFit, Undetermined, output_error, stem,
 };
@@ -11,7 +13,8 @@ use aurt_calibration::with_deviation;
 use aurt_files::output::pretty;
 use aurt_rbd::JointKind;
 use aurt_recording::RobotJoints;
-use aurt_report::rendering::{table::Table, text::wrapped};
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped;
 use aurt_traits::{Command, RobotNames};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -1,6 +1,7 @@
 //! What others fitted, judged by recordings: its error, what of it they determine, and what it stands for.
 
-use std::{fmt::Write, path::Path};
+use std::fmt::Write;
+use std::path::Path;
 
 use crate::Experiment;
 use aurt::Progress;
@@ -15,14 +16,11 @@ use aurt_friction::drives::PdLaw;
 use aurt_traits::RobotNames;
 use serde_json::{Value, json};
 
-use super::{
-    DriveOutcome, UNLIMITED,
-    fits::{self, Fit},
-    follows_positions, note_lines, of_joint, open_lines,
-    setting::Setting,
-    values, warnings,
-};
-use crate::workbench::{diagnosing::selection, failure::Failure};
+use super::fits::{self, Fit};
+use super::setting::Setting;
+use super::{DriveOutcome, UNLIMITED, follows_positions, note_lines, of_joint, open_lines, values, warnings};
+use crate::workbench::diagnosing::selection;
+use crate::workbench::failure::Failure;
 
 /// The keys of viscous friction: one column of a motion that does not saturate.
 const VISCOUS: [&str; 4] = [

@@ -3,11 +3,9 @@
 use std::path::PathBuf;
 
 use crate::Experiment;
-use aurt::{
-    Progress, Role,
-    data::{Loaded, Purpose, Source},
-    duplicates::{SampleRegister, UsedSeries},
-};
+use aurt::data::{Loaded, Purpose, Source};
+use aurt::duplicates::{SampleRegister, UsedSeries};
+use aurt::{Progress, Role};
 use aurt_calibration::drives::{DriveError, DriveRecording, DrivenArm, Options, Selection};
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};

@@ -2,10 +2,9 @@
 
 use aurt_diagnosis::Answer;
 use aurt_files::output::pretty;
-use aurt_report::{
-    BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
-    rendering::number::significant, reports::parts,
-};
+use aurt_report::rendering::number::significant;
+use aurt_report::reports::parts;
+use aurt_report::{BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use aurt_simulation::inject::Presence;
 use aurt_traits::RobotNames;
 use serde_json::Value;

@@ -2,11 +2,9 @@
 
 use crate::sweep::{Plan, Ranked, Ranking, Rows, Validate};
 use aurt_files::output::pretty;
-use aurt_report::{
-    BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
-    rendering::number::{percent, significant},
-    reports::parts,
-};
+use aurt_report::rendering::number::{percent, significant};
+use aurt_report::reports::parts;
+use aurt_report::{BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use serde_json::{Value, json};
 
 use super::section;

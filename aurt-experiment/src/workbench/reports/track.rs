@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use aurt_calibration::{Drift, DriftGroup, DriftParameter};
 use aurt_files::output::pretty;
+use aurt_report::rendering::number::significant;
+use aurt_report::reports::parts;
 use aurt_report::{
     Axis, Block, Cell, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone, Verdict,
-    rendering::number::significant, reports::parts,
 };
 use aurt_traits::RobotNames;
 use serde_json::Value;

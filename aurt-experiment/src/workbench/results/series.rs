@@ -2,17 +2,16 @@
 
 use std::path::Path;
 
-use aurt::{
-    CalibratedModel,
-    data::{Loaded, Purpose},
-    fitting::{Assigned, Job},
-    predictions::{PredictionNames, at_stamps},
-};
+use aurt::CalibratedModel;
+use aurt::data::{Loaded, Purpose};
+use aurt::fitting::{Assigned, Job};
+use aurt::predictions::{PredictionNames, at_stamps};
 use aurt_calibration::predict;
 use aurt_recording::{JointTopic, mcap, parquet};
 use aurt_traits::MeasurementUnit;
 
-use crate::workbench::{experiments::undone, failure::Failure};
+use crate::workbench::experiments::undone;
+use crate::workbench::failure::Failure;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesFormat {

@@ -1,12 +1,10 @@
 //! The ranking of a sweep on the terminal.
 
 use crate::sweep::{Ranked, Ranking, Rows};
-use aurt_report::rendering::{
-    number::percent,
-    style::{Emphasis, Style},
-    table::Table,
-    text::wrapped,
-};
+use aurt_report::rendering::number::percent;
+use aurt_report::rendering::style::{Emphasis, Style};
+use aurt_report::rendering::table::Table;
+use aurt_report::rendering::text::wrapped;
 
 /// Points that a terminal shows.
 const MOST: usize = 40;

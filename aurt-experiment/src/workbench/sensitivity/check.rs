@@ -3,11 +3,9 @@
 use aurt_simulation::inject::Kind;
 use serde::Serialize;
 
-use super::{
-    probe::Probe,
-    search::{Row, Status, shape},
-    trials::Trials,
-};
+use super::probe::Probe;
+use super::search::{Row, Status, shape};
+use super::trials::Trials;
 use crate::workbench::failure::Failure;
 
 /// What whole diagnoses say of an effect on a joint, in the shape of the first draw.

@@ -3,16 +3,12 @@
 use std::collections::BTreeMap;
 
 use aurt_diagnosis::injection::AddedRows;
-use aurt_simulation::{
-    SimulationError,
-    inject::{Added, Kind},
-};
+use aurt_simulation::SimulationError;
+use aurt_simulation::inject::{Added, Kind};
 
-use super::{
-    claims::Claims,
-    ladder::{HALF_STEP, LEVELS, Limit, smallest},
-    trials::{Route, Trials},
-};
+use super::claims::Claims;
+use super::ladder::{HALF_STEP, LEVELS, Limit, smallest};
+use super::trials::{Route, Trials};
 use crate::workbench::failure::Failure;
 
 /// Shares of lost rows that stand for the strengths.

@@ -1,18 +1,14 @@
 //! From which sizes on the effects are named and noticed, over several draws.
 
-use aurt_simulation::{
-    Random,
-    effects::Presence as Habit,
-    inject::{Added, Kind, Presence},
-};
+use aurt_simulation::Random;
+use aurt_simulation::effects::Presence as Habit;
+use aurt_simulation::inject::{Added, Kind, Presence};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{
-    ladder::Limit,
-    probe::Probe,
-    trials::{Route, Trials},
-};
+use super::ladder::Limit;
+use super::probe::Probe;
+use super::trials::{Route, Trials};
 use crate::workbench::failure::Failure;
 
 /// Draws of each effect on each joint: a shape, and noise.

@@ -1,4 +1,5 @@
-use crate::{Experiment, experiment::place_among};
+use crate::Experiment;
+use crate::experiment::place_among;
 use aurt::data::Source;
 use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
@@ -8,7 +9,9 @@ use aurt_simulation::inject::{Added, Injection, Presence, Split, applied};
 use aurt_traits::{RobotModel, RobotNames};
 
 use super::claims::Claims;
-use crate::workbench::{diagnosing::selection, failure::Failure, injected};
+use crate::workbench::diagnosing::selection;
+use crate::workbench::failure::Failure;
+use crate::workbench::injected;
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]

@@ -1,15 +1,14 @@
 //! What is claimed of the recordings with an effect: by the part of a diagnosis that the effect concerns.
 
-use aurt_diagnosis::{
-    Prepared,
-    effects::{self, time_delay},
-    injection::AddedRows,
-    vocabulary::Means,
-};
+use aurt_diagnosis::Prepared;
+use aurt_diagnosis::effects::{self, time_delay};
+use aurt_diagnosis::injection::AddedRows;
+use aurt_diagnosis::vocabulary::Means;
 use aurt_plugins::Registry;
 use aurt_simulation::inject::{Added, Kind};
 
-use super::{Subject, claims::Claims};
+use super::Subject;
+use super::claims::Claims;
 use crate::workbench::failure::Failure;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,17 +3,13 @@
 mod follower;
 mod running;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::Experiment;
-use aurt::{
-    CalibratedModel, Progress,
-    data::{Loaded, Purpose, Source},
-    duplicates::{SampleRegister, UsedSeries},
-};
+use aurt::data::{Loaded, Purpose, Source};
+use aurt::duplicates::{SampleRegister, UsedSeries};
+use aurt::{CalibratedModel, Progress};
 use aurt_calibration::{
     Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
     DriftWindow, LeftOut, NamedRecording, TermScopes, accumulate, drift_windows,
@@ -25,8 +21,10 @@ use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RigidBodyRegressor, Robo
 use serde::Serialize;
 use serde_json::json;
 
-use self::{follower::Follower, running::Running};
-use crate::workbench::{experiments::check_robot_of, failure::Failure};
+use self::follower::Follower;
+use self::running::Running;
+use crate::workbench::experiments::check_robot_of;
+use crate::workbench::failure::Failure;
 
 #[derive(Debug, Clone, Serialize)]
 pub struct TrackOptions {

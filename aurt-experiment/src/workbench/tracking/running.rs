@@ -1,11 +1,11 @@
 //! Rows as they come.
 
-use std::{fs::File, io, path::Path};
+use std::fs::File;
+use std::io;
+use std::path::Path;
 
-use aurt::{
-    CalibratedModel,
-    data::{Loaded, Purpose, Source},
-};
+use aurt::CalibratedModel;
+use aurt::data::{Loaded, Purpose, Source};
 use aurt_calibration::{CalibrationError, Cut, DriftReference, drift_windows};
 use aurt_recording::{PreprocessReport, Recording, RecordingError, read_running};
 

@@ -1,9 +1,7 @@
 //! An experiment on disk, and a loader that reads its recordings.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use aurt::data::Source;
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
@@ -14,7 +12,8 @@ use aurt_experiment::sweep::{
 };
 use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
-use aurt_simulation::{Motion, Robot, Rotors, Scenario, robots::two_link, simulate};
+use aurt_simulation::robots::two_link;
+use aurt_simulation::{Motion, Robot, Rotors, Scenario, simulate};
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 

@@ -1,6 +1,7 @@
 //! Experiments with a `[drive]`, from files to files.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt::{Progress, data::Source};
 use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics};

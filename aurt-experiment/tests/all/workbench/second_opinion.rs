@@ -1,6 +1,7 @@
 //! Fits of others, judged by recordings of a simulated servo.
 
-use std::{fs, path::Path};
+use std::fs;
+use std::path::Path;
 
 use aurt::Progress;
 use aurt_experiment::Experiment;

@@ -6,10 +6,8 @@ use aurt_traits::{
 };
 use proptest::prelude::*;
 
-use super::{
-    models::{Model, examples},
-    planar_arm::PlanarArm,
-};
+use super::models::{Model, examples};
+use super::planar_arm::PlanarArm;
 
 /// Configurations beside the examples whose behaviour differs from them.
 fn variants() -> Vec<Model> {
@@ -88,9 +86,9 @@ fn stack(
 
 /// The paper's simplest stack with one model replaced.
 pub fn in_its_slot(model: &Model) -> Result<JointStack, Vec<ModelError>> {
-    use aurt_friction::{
-        coulomb::constant::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial,
-    };
+    use aurt_friction::coulomb::constant::Constant;
+    use aurt_friction::hysteresis::sign::Sign;
+    use aurt_friction::viscous::polynomial::Polynomial;
     let level = Box::new(Constant {});
     let sign = Box::new(Sign::default());
     let linear = Box::new(Polynomial { powers: vec![1] });

@@ -1,17 +1,13 @@
 //! Coefficients come back from the torque that they made, for every registered model in its place.
 
-use aurt_friction::conformance::{
-    arm,
-    recording::{Draw, Recording},
-};
+use aurt_friction::conformance::arm;
+use aurt_friction::conformance::recording::{Draw, Recording};
 use aurt_traits::{Columns, JointStack};
 use nalgebra::{DMatrix, DVector};
 
-use super::{
-    invariants::in_its_slot,
-    models::{Model, examples},
-    planar_arm::PlanarArm,
-};
+use super::invariants::in_its_slot;
+use super::models::{Model, examples};
+use super::planar_arm::PlanarArm;
 
 fn stack_columns(stack: &JointStack, recording: &Recording) -> Vec<Vec<f64>> {
     let series = recording.joint(0);

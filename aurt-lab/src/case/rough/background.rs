@@ -7,17 +7,13 @@ use serde_json::Value;
 use super::super::laboratory::Laboratory;
 use super::super::layout::{Role, Slot};
 use super::super::truth::TrueEffect;
-use crate::{
-    effects::{Lacks, PRESLIDING_RAD, Undeclared, kind},
-    fit::{NoiseFreeFit, Samples, without_absorbed_rotors},
-    strength::Strength,
-};
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{BristleModel, Effect, Factor},
-    inject::{Structure, StructureColumns},
-    robots::Robot,
-};
+use crate::effects::{Lacks, PRESLIDING_RAD, Undeclared, kind};
+use crate::fit::{NoiseFreeFit, Samples, without_absorbed_rotors};
+use crate::strength::Strength;
+use aurt_simulation::effects::{BristleModel, Effect, Factor};
+use aurt_simulation::inject::{Structure, StructureColumns};
+use aurt_simulation::robots::Robot;
+use aurt_simulation::{Random, SimulationError};
 
 /// Torque that the experiment neglects on a joint, beyond what its structure absorbs, over the noise that strengths are
 /// measured in: smallest and largest. A weak effect has 0.3; what is neglected is to be a sixth to five sixths of it.

@@ -4,13 +4,11 @@ use std::f64::consts::TAU;
 
 use super::super::layout::{Role, Slot, planned};
 use super::noise::equivalent_nm;
-use aurt_simulation::{
-    Random, SimulationError,
-    plant::Controller,
-    robots::Robot,
-    sensors::{ClockFaults, DriveRipple, Instrument, Logger, NoiseMemory},
-    trajectory::Motion,
-};
+use aurt_simulation::plant::Controller;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::{ClockFaults, DriveRipple, Instrument, Logger, NoiseMemory};
+use aurt_simulation::trajectory::Motion;
+use aurt_simulation::{Random, SimulationError};
 
 /// Rows per second that loggers are usually set to, Hz; a few are set to something else between 100 and 1000.
 const USUAL_RATES_HZ: [f64; 5] = [100.0, 125.0, 250.0, 500.0, 1000.0];

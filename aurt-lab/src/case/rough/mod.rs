@@ -8,7 +8,9 @@ pub(super) use background::background;
 
 use super::laboratory::Laboratory;
 use super::layout::Slot;
-use aurt_simulation::{Random, SimulationError, effects::Shapes, robots::Robot};
+use aurt_simulation::effects::Shapes;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::{Random, SimulationError};
 
 /// Range of the factors on the friction of a robot's joints: drives of one kind differ by a half.
 const FRICTION: (f64, f64) = (0.5, 1.5);

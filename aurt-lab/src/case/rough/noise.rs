@@ -4,7 +4,9 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 
 use aurt_rbd::ChainDynamics;
 
-use aurt_simulation::{SimulationError, robots::Robot, sensors::Instrument};
+use aurt_simulation::SimulationError;
+use aurt_simulation::robots::Robot;
+use aurt_simulation::sensors::Instrument;
 
 /// Band of the parallel filter over `f_dyn_hz`.
 pub(super) const BAND_PER_F_DYN: f64 = 2.0;

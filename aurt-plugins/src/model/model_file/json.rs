@@ -1,14 +1,14 @@
 //! JSON values with a trail of where in the file they stand, so that errors can name the place.
 
-use std::{collections::HashMap, path::Path};
+use std::collections::HashMap;
+use std::path::Path;
 
-use serde_json::{Map, Value, value::RawValue};
+use serde_json::value::RawValue;
+use serde_json::{Map, Value};
 
 use super::SCHEMA;
-use crate::model::{
-    error::Error,
-    place::{Step, in_words},
-};
+use crate::model::error::Error;
+use crate::model::place::{Step, in_words};
 
 /// A value of a model file and the way to it.
 #[derive(Debug, Clone)]

@@ -10,12 +10,10 @@ mod json;
 mod rigid_body;
 mod robot;
 
-pub use self::{
-    base_parameters::{BaseParameterReading, read_base_parameters},
-    json::read_json,
-    rigid_body::{read_rigid_body, rigid_body_to_json},
-    robot::{read_robot_model, robot_model_from_json, robot_model_to_json},
-};
+pub use self::base_parameters::{BaseParameterReading, read_base_parameters};
+pub use self::json::read_json;
+pub use self::rigid_body::{read_rigid_body, rigid_body_to_json};
+pub use self::robot::{read_robot_model, robot_model_from_json, robot_model_to_json};
 
 /// Version of the model files that this program writes and reads.
 pub const SCHEMA: u64 = 1;

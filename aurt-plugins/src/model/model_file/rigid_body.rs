@@ -1,14 +1,14 @@
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
 use aurt_traits::RigidBodyRegressor;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{
-    RIGID_BODY_DYNAMICS, SCHEMA, base_parameters,
-    json::{At, read_json},
-};
-use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
+use super::json::{At, read_json};
+use super::{RIGID_BODY_DYNAMICS, SCHEMA, base_parameters};
+use crate::model::error::Error;
+use crate::model::rigid_bodies::RigidBodyDynamics;
 
 /// Rigid bodies as the value of a file of kind `rigid_body_dynamics`.
 ///

@@ -7,12 +7,10 @@ use aurt_traits::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{
-    ROBOT_DYNAMICS, SCHEMA,
-    json::{At, read_json},
-    rigid_body,
-};
-use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
+use super::json::{At, read_json};
+use super::{ROBOT_DYNAMICS, SCHEMA, rigid_body};
+use crate::model::error::Error;
+use crate::model::rigid_bodies::RigidBodyDynamics;
 
 /// A robot model as the value of a file of kind `robot_dynamics`.
 ///

@@ -1,52 +1,54 @@
 //! Robots known by name.
 
-mod arms;
-
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
 
 use aurt_files::suggestion::likely;
-
-use crate::{Joint, Placement};
+use serde::Deserialize;
 
 use crate::robots::pose::{Pose, along};
 use crate::robots::{DescribedRobot, JointFriction, JointLimits, Part};
+use crate::{Joint, Placement};
 
-pub use arms::KNOWN_ROBOTS;
+/// All known robots, by name.
+#[expect(clippy::expect_used, reason = "the file is part of the program, and tests read it")]
+pub static KNOWN_ROBOTS: LazyLock<Vec<KnownRobot>> =
+    LazyLock::new(|| toml::from_str::<Arms>(include_str!("arms.toml")).expect("known robots").robots);
+
+/// The file of the known robots.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Arms {
+    robots: Vec<KnownRobot>,
+}
 
 /// An arm of revolute joints whose geometry and limits are public.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct KnownRobot {
     /// What experiment files call it: `ur10e`.
-    pub name: &'static str,
+    pub name: String,
     /// Maker and model.
-    pub title: &'static str,
+    pub title: String,
     /// Where geometry and limits are from.
-    pub source: &'static str,
-    joint_names: JointNames,
-    joints: &'static [KnownJoint],
-}
-
-/// How the ROS description of a robot names its joints.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum JointNames {
-    Each(&'static [&'static str]),
-    /// This and a number, counted from 1.
-    Numbered(&'static str),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct KnownJoint {
-    /// Origin of the joint's frame in that of the joint before, in m.
-    origin_m: [f64; 3],
-    /// Roll, pitch and yaw of the joint's frame, in quarters of a turn.
-    quarters: [f64; 3],
-    /// The axis in the joint's frame.
-    axis: [f64; 3],
-    /// Lowest and highest position in degrees; `None` if it turns without end.
-    position_deg: Option<[f64; 2]>,
-    velocity_deg_s: f64,
-    /// `None` where the source says nothing.
-    torque_nm: Option<f64>,
+    pub source: String,
+    /// Names of its joints in its ROS description, where they are not `numbered`.
+    joint_names: Vec<String>,
+    /// The word before the number of each joint, counted from 1.
+    numbered: String,
+    /// Modified Denavit–Hartenberg parameters: twist in quarters of a turn (−1, 0 or 1), a and d in m.
+    mdh: Vec<[f64; 3]>,
+    /// Origins of the joints' frames in those of the joints before, in m; roll, pitch and yaw in quarters of a turn.
+    frames: Vec<[f64; 6]>,
+    /// Axes in the joints' frames; of none, z.
+    axes: Vec<[f64; 3]>,
+    /// Lowest and highest positions; joints that turn without end have no room between them.
+    position_deg: Vec<[f64; 2]>,
+    position_rad: Vec<[f64; 2]>,
+    velocity_deg_s: Vec<f64>,
+    velocity_rad_s: Vec<f64>,
+    /// Empty where the source says nothing.
+    torque_nm: Vec<f64>,
 }
 
 /// The known robot of a name, in any mixture of upper and lower case.
@@ -56,21 +58,21 @@ pub fn known_robot(name: &str) -> Option<&'static KnownRobot> {
 
 /// The known robot whose name is nearest to an unknown one.
 pub fn probably_meant(name: &str) -> Option<&'static str> {
-    likely(name, KNOWN_ROBOTS.iter().map(|robot| robot.name))
+    likely(name, KNOWN_ROBOTS.iter().map(|robot| &*robot.name))
 }
 
 impl KnownRobot {
     /// Names of the joints in the robot's ROS description.
     pub fn joint_names(&self) -> Vec<String> {
-        match self.joint_names {
-            JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
-            JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),
+        if !self.joint_names.is_empty() {
+            return self.joint_names.clone();
         }
+        (1..=self.joints()).map(|j| format!("{}{j}", self.numbered)).collect()
     }
 
     /// Number of joints.
-    pub const fn joints(&self) -> usize {
-        self.joints.len()
+    pub fn joints(&self) -> usize {
+        self.mdh.len() + self.frames.len()
     }
 
     /// The chain from the base to the last joint; without masses, which makers do not publish.
@@ -78,36 +80,50 @@ impl KnownRobot {
         let mut here = Pose::identity();
         let mut joints = Vec::new();
         let mut frames = Vec::new();
-        for joint in self.joints {
-            let angles = joint.quarters.map(|q| q * FRAC_PI_2);
-            let at_joint = here.then(&Pose::of(Placement::from_roll_pitch_yaw(joint.origin_m, angles)));
-            let (turn, sign) = along(&joint.axis.into());
+        let of_row =
+            |&[alpha, a_m, d_m]: &[f64; 3]| [a_m, -d_m * alpha, d_m * (1.0 - alpha * alpha), alpha, 0.0, 0.0];
+        for (j, [x, y, z, roll, pitch, yaw]) in
+            self.mdh.iter().map(of_row).chain(self.frames.iter().copied()).enumerate()
+        {
+            let angles = [roll, pitch, yaw].map(|quarters| quarters * FRAC_PI_2);
+            let at_joint = here.then(&Pose::of(Placement::from_roll_pitch_yaw([x, y, z], angles)));
+            let (turn, sign) = along(&self.axes.get(j).copied().unwrap_or([0.0, 0.0, 1.0]).into());
             let placement = at_joint.then(&Pose::turned(turn)).placement();
             joints.push(Joint { sign, ..Joint::revolute(placement) });
             frames.push(turn.transpose().into());
             here = Pose::turned(turn.transpose());
         }
-        let limits = self.joints.iter().map(|joint| JointLimits {
-            position_rad: joint.position_deg.map(|limits| limits.map(f64::to_radians)),
-            velocity_rad_s: Some(joint.velocity_deg_s.to_radians()),
-            torque_nm: joint.torque_nm,
-        });
         DescribedRobot {
-            name: self.name.into(),
+            name: self.name.clone(),
             base: "base".into(),
             tip: "flange".into(),
             part: Part::All,
             joint_names: self.joint_names(),
             link_names: Vec::new(),
-            joints,
             couplings: Vec::new(),
-            limits: limits.collect(),
-            friction: vec![JointFriction::default(); self.joints.len()],
-            armature_kg_m2: vec![0.0; self.joints.len()],
+            limits: self.limits(),
+            friction: vec![JointFriction::default(); joints.len()],
+            armature_kg_m2: vec![0.0; joints.len()],
+            joints,
             standard_parameters: None,
             frames,
             branches: Vec::new(),
             notes: Vec::new(),
         }
+    }
+
+    /// The limits of the joints. Where a source gives them in rad, they are in degrees to its digits on the way.
+    fn limits(&self) -> Vec<JointLimits> {
+        let degrees = |radians: f64| radians * (180.0 / PI);
+        let positions = self.position_rad.iter().map(|limits| limits.map(degrees));
+        let velocities = self.velocity_rad_s.iter().copied().map(degrees);
+        let positions = self.position_deg.iter().copied().chain(positions);
+        let velocities = self.velocity_deg_s.iter().copied().chain(velocities);
+        let limits = |(j, ([low, high], velocity)): (usize, ([f64; 2], f64))| JointLimits {
+            position_rad: (low < high).then(|| [low, high].map(f64::to_radians)),
+            velocity_rad_s: Some(velocity.to_radians()),
+            torque_nm: self.torque_nm.get(j).copied(),
+        };
+        positions.zip(velocities).enumerate().map(limits).collect()
     }
 }

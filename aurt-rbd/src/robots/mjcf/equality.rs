@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
+use crate::robots::RobotError;
 use crate::robots::element::{Element, Source};
+use crate::robots::mjcf::WORLD;
 use crate::robots::tree::{Mimic, Tie, Tree};
-use crate::robots::{RobotError, mjcf::WORLD};
 
 /// Reads the constraints of a file into the joints of its tree; `references` are the coordinates `ref` of joints that have one.
 ///

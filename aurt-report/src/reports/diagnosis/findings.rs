@@ -5,12 +5,11 @@ use aurt_traits::RobotNames;
 use serde_json::Value;
 
 use super::{Diagnosed, capital};
-use crate::{
-    page::{Block, Section},
-    rendering::{number::significant, text::listed},
-    table::Table,
-    words::{all_indicated, claim, groups, nothing, objection},
-};
+use crate::page::{Block, Section};
+use crate::rendering::number::significant;
+use crate::rendering::text::listed;
+use crate::table::Table;
+use crate::words::{all_indicated, claim, groups, nothing, objection};
 
 impl Diagnosed<'_> {
     pub(super) fn findings(&self) -> Section {

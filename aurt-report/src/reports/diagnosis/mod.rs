@@ -11,15 +11,14 @@ use aurt_files::output::pretty;
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
 
-use super::{figures::file_name, parts};
-use crate::{
-    figure::{BarGroup, Bars, Figure, Style},
-    noise_report::{NoiseReport, NoiseState},
-    page::{Block, Page, Section, Verdict},
-    rendering::number::significant,
-    table::{Cell, Table},
-    words::{self, Group, claim, follows, groups, nothing, objection},
-};
+use super::figures::file_name;
+use super::parts;
+use crate::figure::{BarGroup, Bars, Figure, Style};
+use crate::noise_report::{NoiseReport, NoiseState};
+use crate::page::{Block, Page, Section, Verdict};
+use crate::rendering::number::significant;
+use crate::table::{Cell, Table};
+use crate::words::{self, Group, claim, follows, groups, nothing, objection};
 
 pub struct Diagnosed<'a> {
     pub verdict: &'a Found,

@@ -3,11 +3,9 @@
 use aurt_diagnosis::{RecordingSeries, Role};
 
 use super::{Diagnosed, role};
-use crate::{
-    figure::{Axis, Style},
-    page::{Block, Section},
-    reports::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem},
-};
+use crate::figure::{Axis, Style};
+use crate::page::{Block, Section};
+use crate::reports::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem};
 
 impl Diagnosed<'_> {
     /// Windows that are set off in one joint's figure: those of findings, and those in which the rest stands out.

@@ -1,9 +1,7 @@
 //! Which file of a crate imports which, and in which circles.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
-};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
 use super::paths::Paths;
 

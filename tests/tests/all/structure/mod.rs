@@ -4,11 +4,9 @@
 mod files;
 mod paths;
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -33,7 +31,7 @@ const KNOWN_TO_SIMULATION: [&str; 4] = ["aurt-files", "aurt-traits", "aurt-rbd",
 const MOST_FILES: usize = 20;
 
 /// Most lines of Rust in all crates, tests included. The number may only fall; 130 000 are enough for what they do.
-const MOST_LINES: usize = 165_830;
+const MOST_LINES: usize = 164_725;
 
 const LISTS: &[&str] = &[
     "aurt-cli/src/commands",
