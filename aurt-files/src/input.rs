@@ -2,12 +2,10 @@
 
 use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read, Result};
-use std::path::Path;
 #[cfg(unix)]
-use std::{
-    os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt},
-    time::{Duration, Instant},
-};
+use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt};
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 #[cfg(unix)]
 use crate::protected::is_known;

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use aurt_diagnosis::{DeviationGoal, drives::STRUCTURES, effects};
+use aurt_diagnosis::drives::STRUCTURES;
+use aurt_diagnosis::{DeviationGoal, effects};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::described_model::{ChainEnds, GivenModel};
 use aurt_experiment::workbench::diagnosing::DiagnosisOptions;

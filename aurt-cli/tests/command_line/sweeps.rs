@@ -1,10 +1,8 @@
 //! `aurt sweep` as a person, a queue or a power cut meets it.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::support::Folder;
 

@@ -1,9 +1,7 @@
 //! The best stretch for a force on one link.
 
-use super::{
-    Contact, ContactRows,
-    scan::{Background, Prefix, Stretch, scan},
-};
+use super::scan::{Background, Prefix, Stretch, scan};
+use super::{Contact, ContactRows};
 
 /// Lengths of the stretches that are compared, s.
 const LENGTHS_S: [f64; 9] = [0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.7, 7.0];

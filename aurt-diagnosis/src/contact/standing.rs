@@ -5,7 +5,8 @@
 //! b_j = [`STICTION`] F_C,j + [`MISFIT`] s_j with s_j what the model leaves of the joint while it moves, and by how much
 //! it does: e_j = |r_j| − b_j. A contact is a stretch in which several joints of a standing arm speak.
 
-use super::{Contact, ForceColumns, scan::Prefix};
+use super::scan::Prefix;
+use super::{Contact, ForceColumns};
 use crate::recordings::rows::RecordingRows;
 
 /// What the search needs of one recording; the rows count where the joint stands.

@@ -11,11 +11,8 @@
 //!   lost one repeats nothing, and its angles lag), or measurements of all joints that are zero for a few rows: the message
 //!   had none.
 
-use super::{
-    CERTAIN, Fault, log10_poisson_tail, resolution,
-    stuck::{self, Stuck},
-    windows_s,
-};
+use super::stuck::{self, Stuck};
+use super::{CERTAIN, Fault, log10_poisson_tail, resolution, windows_s};
 use crate::effects::dropped_samples;
 use crate::parameters::{ParameterValue, Parameters};
 use aurt_recording::{Recording, median_step_s, white_level_at};

@@ -9,13 +9,11 @@ use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_traits::{MeasurementUnit, Motion, RegressorTile, RobotModel};
 
 use super::{AddedRows, Prepared};
-use crate::{
-    dice::Dice,
-    investigation::investigate,
-    recordings::rows::Role,
-    request::{Question, QuestionedRecording, SelectionOptions},
-    verdict::{Answer, Verdict, write_verdict},
-};
+use crate::dice::Dice;
+use crate::investigation::investigate;
+use crate::recordings::rows::Role;
+use crate::request::{Question, QuestionedRecording, SelectionOptions};
+use crate::verdict::{Answer, Verdict, write_verdict};
 
 const RATE_HZ: f64 = 100.0;
 const F_DYN_HZ: f64 = 2.0;

@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use self::boosting::{Boosted, Edges, Growth};
 use self::features::{names, of_rows};
-use crate::recordings::{partition::FEWEST_ROWS, rows::RecordingRows};
+use crate::recordings::partition::FEWEST_ROWS;
+use crate::recordings::rows::RecordingRows;
 
 /// Length of the stretches that stop the growth in turn, and of those between which shares vary, s; of short recordings an
 /// eighth of all, so that there are some, and the fewest rows that say something of their own error.

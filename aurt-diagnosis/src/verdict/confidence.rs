@@ -3,7 +3,9 @@
 //! The rates are learnt (`aurt-lab prove --learn`) on cases whose truth is known, of findings under every answer, unknown effects
 //! and nulls included; the file says from which worlds and seeds. On robots unlike all of these they are an upper bound.
 
-use std::{collections::BTreeMap, path::Path, sync::LazyLock};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;

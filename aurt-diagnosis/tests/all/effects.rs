@@ -1,6 +1,7 @@
 //! Every effect explains itself, and every identifier of the vocabulary is there.
 
-use std::{collections::BTreeSet, path::Path};
+use std::collections::BTreeSet;
+use std::path::Path;
 
 use aurt_diagnosis::effects;
 use aurt_diagnosis::vocabulary::Family;

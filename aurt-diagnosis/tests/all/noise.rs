@@ -1,14 +1,14 @@
 //! The noise floor against recordings whose noise is known: exact rigid bodies with dry and viscous friction, moved along
 //! planned trajectories, seen through encoders, clocks and ammeters of our own making.
 
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
 use aurt_calibration::CalibrationOptions;
-use aurt_diagnosis::{
-    Fit, Question, QuestionedRecording, Role, SelectionOptions,
-    evidence::baseline::{Baseline, evaluate_all},
-    noise::{floor::noise_floor, spectrum::RecordingNoise},
-};
+use aurt_diagnosis::evidence::baseline::{Baseline, evaluate_all};
+use aurt_diagnosis::noise::floor::noise_floor;
+use aurt_diagnosis::noise::spectrum::RecordingNoise;
+use aurt_diagnosis::{Fit, Question, QuestionedRecording, Role, SelectionOptions};
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};

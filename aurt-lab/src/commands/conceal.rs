@@ -2,12 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{Plan, World},
-    commands::{Report, Session},
-    product::Failure,
-    proof::{self, Ingredients, Place},
-};
+use crate::case::{Plan, World};
+use crate::commands::{Report, Session};
+use crate::product::Failure;
+use crate::proof::{self, Ingredients, Place};
 use aurt_simulation::SimulationError;
 use clap::Args;
 use rayon::prelude::*;

@@ -3,15 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::{
-    case::{Plan, World},
-    commands::{
-        Report, Session,
-        conceal::{read_plan, world},
-    },
-    product::{Failure, OutputFolder, pretty},
-    proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
-};
+use crate::case::{Plan, World};
+use crate::commands::conceal::{read_plan, world};
+use crate::commands::{Report, Session};
+use crate::product::{Failure, OutputFolder, pretty};
+use crate::proof::{self, Ingredients, Options, Place, Proof, Proven, Shard};
 use clap::Args;
 use serde_json::json;
 

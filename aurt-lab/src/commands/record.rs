@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::{
-    case::{Truth, World, servo},
-    commands::Report,
-    product::{Failure, OutputFile},
-};
+use crate::case::{Truth, World, servo};
+use crate::commands::Report;
+use crate::product::{Failure, OutputFile};
 use clap::Args;
 use serde_json::json;
 

@@ -4,11 +4,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use super::{
-    place::Place,
-    source::{Ingredients, Planned, Source},
-};
-use crate::{case::Plan, product::Failure};
+use super::place::Place;
+use super::source::{Ingredients, Planned, Source};
+use crate::case::Plan;
+use crate::product::Failure;
 use aurt_simulation::SimulationError;
 
 /// Names the Python interpreter; `python3` without it.

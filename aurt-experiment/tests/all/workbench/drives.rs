@@ -3,18 +3,16 @@
 use std::fs;
 use std::path::Path;
 
-use aurt::{Progress, data::Source};
+use aurt::Progress;
+use aurt::data::Source;
 use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics};
 use aurt_diagnosis::discrimination::{DeviationGoal, Doubt};
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::{
-    diagnosing::DiagnosisOptions,
-    driving::{
-        CalibratedDrive, DRIVE_FILE, DriveOutcome, IMPROVED_DRIVE_FILE, check_drives, diagnose_drives,
-        fit_drives,
-    },
-    next::{NextOptions, plan_next},
+use aurt_experiment::workbench::diagnosing::DiagnosisOptions;
+use aurt_experiment::workbench::driving::{
+    CalibratedDrive, DRIVE_FILE, DriveOutcome, IMPROVED_DRIVE_FILE, check_drives, diagnose_drives, fit_drives,
 };
+use aurt_experiment::workbench::next::{NextOptions, plan_next};
 use aurt_friction::drives::PositionServo;
 use aurt_plugins::Registry;
 use aurt_rbd::{Joint, Placement, SerialChain};

@@ -1,11 +1,10 @@
 //! What is concealed in servo arms.
 
-use aurt_simulation::{Random, effects::Family};
+use aurt_simulation::Random;
+use aurt_simulation::effects::Family;
 
-use super::{
-    arm::{Servo, ServoArm},
-    plant::WAITS_S,
-};
+use super::arm::{Servo, ServoArm};
+use super::plant::WAITS_S;
 
 /// A parameter by its name in verdicts, whether it is that of all joints, and its value.
 type Parameter = (&'static str, bool, fn(&Servo) -> f64);

@@ -1,20 +1,18 @@
 //! Cases of servo arms.
 
-use std::{fmt::Write as _, path::Path};
+use std::fmt::Write as _;
+use std::path::Path;
 
-use aurt_simulation::{Motion, MotionLimits, Random, Robot, SimulationError, robots::Rotors};
+use aurt_simulation::robots::Rotors;
+use aurt_simulation::{Motion, MotionLimits, Random, Robot, SimulationError};
 use serde_json::json;
 
-use super::{
-    arm::{GRAVITY_M_S2, ServoArm},
-    effect::{EFFECTS, ServoEffect, factors},
-    motion::{STREAM_S, commands},
-    plant::{Recorded, simulate},
-};
-use crate::{
-    case::{Case, CaseRequest, CaseType, Plan, SinglePlan, TrueEffect, Truth, World},
-    strength::Strength,
-};
+use super::arm::{GRAVITY_M_S2, ServoArm};
+use super::effect::{EFFECTS, ServoEffect, factors};
+use super::motion::{STREAM_S, commands};
+use super::plant::{Recorded, simulate};
+use crate::case::{Case, CaseRequest, CaseType, Plan, SinglePlan, TrueEffect, Truth, World};
+use crate::strength::Strength;
 
 /// Recordings to calibrate on, then to validate with, and the length of each in s.
 const RECORDINGS: (usize, usize, f64) = (3, 4, 12.0);

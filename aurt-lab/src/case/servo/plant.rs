@@ -3,10 +3,8 @@
 use aurt_rbd::RbdError;
 use aurt_simulation::Random;
 
-use super::{
-    arm::{Servo, ServoArm},
-    motion::STREAM_S,
-};
+use super::arm::{Servo, ServoArm};
+use super::motion::STREAM_S;
 
 const STEP_S: f64 = 2.5e-4;
 /// Steps between two runs of the firmware, 1 ms.
