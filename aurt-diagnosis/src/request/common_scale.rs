@@ -2,32 +2,18 @@
 //!
 //! The drives' torque constants K_j of an arm differ by factors. In amperes the bodies that load several joints are then other ones on
 //! each, and a load on the flange is losses, springs and encoders with other zeros as well. Motion determines the ratios K_j/K_r: y_j =
-//! (K_r/K_j) W_j ζ with rotors on all joints and a load that the targets may carry, whatever else is missing.
+//! (K_r/K_j) W_j ζ with rotors on all joints and a load that the targets may carry.
 
-use aurt_calibration::{Gains, GainsOf, NamedRecording, TermScopes, estimate_gains, with_deviation};
+use aurt_calibration::{GainsOf, NamedRecording, TermScopes, estimate_gains};
 use aurt_plugins::Registry;
 use aurt_recording::PreprocessOptions;
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
+use crate::effects::{payload, rotor_inertia};
 use crate::error::DiagnosisError;
 use crate::recordings::rows::Role;
-use crate::request::{Question, QuestionedRecording};
-
-/// Ratios of torque constants that recordings determine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CommonScale {
-    /// The joint in whose scale currents are.
-    reference: usize,
-    /// K_j/K_r and its standard deviation; absent where nothing determines it.
-    ratios: Vec<Option<[f64; 2]>>,
-}
-
-/// A ratio that is less certain than by this share is none: an arm's constants differ by factors of two.
-const LEAST_CERTAIN: f64 = 0.1;
-
-/// Deviations beyond which two estimates of a ratio differ: the targets' one is then that of something that has changed.
-const SAME: f64 = 3.0;
+use crate::request::{CommonScale, Question, QuestionedRecording};
 
 impl CommonScale {
     /// The ratios of currents that no torque constant or gain is stated of; what the other recordings determine decides for the targets.
@@ -59,11 +45,11 @@ impl CommonScale {
             terms.push(registry.build_from_json::<dyn ArmTerm>(&term).ok()?);
             Some(())
         };
-        add(json!({"model": "rotor_inertia", "joints": (0..model.joints()).collect::<Vec<_>>()}))?;
+        add(json!({"model": rotor_inertia::EFFECT.id, "joints": (0..model.joints()).collect::<Vec<_>>()}))?;
         let loaded: Vec<String> =
             used().filter(|r| r.role == Role::Target).map(|r| r.data.name.clone()).collect();
         if !loaded.is_empty() {
-            add(json!({"model": "payload", "link": model.joints() - 1}))?;
+            add(json!({"model": payload::EFFECT.id, "link": model.joints() - 1}))?;
             scopes.push(Some(loaded));
         }
         let (body, base) = (model.rigid_body().clone(), model.base().clone());
@@ -79,29 +65,6 @@ impl CommonScale {
         Self::known(&estimate_gains(&of).ok()?)
     }
 
-    fn known(gains: &Gains) -> Option<Self> {
-        let known = gains.joints.iter().map(|gain| {
-            let std = gain.ratio_std_dev.filter(|std| *std < LEAST_CERTAIN * gain.ratio)?;
-            Some([gain.ratio, std])
-        });
-        let ratios: Vec<Option<[f64; 2]>> = known.collect();
-        let others = ratios.iter().flatten().count() > 1;
-        others.then_some(Self { reference: gains.reference, ratios })
-    }
-
-    /// True if no ratio of both differs.
-    fn agrees(&self, other: &Self) -> bool {
-        let Some(Some([scale, _])) = other.ratios.get(self.reference) else { return false };
-        let both = self.ratios.iter().zip(&other.ratios).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-        both.into_iter()
-            .all(|([a, std], [b, other])| (a - b / scale).abs() <= SAME * std.hypot(other / scale))
-    }
-
-    /// Factors that bring the measurement to the scale, joint by joint.
-    pub(crate) fn factors(&self) -> Vec<f64> {
-        self.ratios.iter().map(|ratio| ratio.map_or(1.0, |[ratio, _]| ratio)).collect()
-    }
-
     /// The recordings in the common scale.
     ///
     /// # Errors
@@ -114,25 +77,5 @@ impl CommonScale {
             Ok(scaled)
         };
         question.recordings.iter().map(scaled).collect()
-    }
-
-    /// The note on what currents were compared in.
-    pub(crate) fn note(&self, question: &Question<'_>) -> String {
-        let names = question.names();
-        let known = self.ratios.iter().enumerate().filter(|(j, _)| *j != self.reference);
-        let ratio = |(j, ratio): (usize, &Option<[f64; 2]>)| {
-            ratio.map(|[ratio, std]| format!("{} {}", names.joint(j), with_deviation(ratio, std)))
-        };
-        let ratios: Vec<String> = known.filter_map(ratio).collect();
-        let unknown: Vec<usize> = (0..self.ratios.len()).filter(|j| self.ratios[*j].is_none()).collect();
-        let mut note = format!(
-            "currents are those that the drive of {} would have: torque constants over its own, as motion determines them, are {}",
-            names.joint(self.reference),
-            ratios.join(", ")
-        );
-        if !unknown.is_empty() {
-            note.push_str(&format!("; for {} nothing determines them", names.joint_list(&unknown)));
-        }
-        note
     }
 }

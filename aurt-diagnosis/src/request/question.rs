@@ -4,12 +4,11 @@ use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording};
 use aurt_recording::{PreprocessOptions, Recording, RecordingError, preprocess};
 use aurt_traits::{MeasurementUnit, RobotModel, RobotNames};
 
-use super::CommonScale;
 use crate::error::DiagnosisError;
 use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::recordings::unresolved::{leave_out_unresolved, position_cutoff_hz};
-use crate::request::SelectionOptions;
+use crate::request::{CommonScale, SelectionOptions};
 use crate::vocabulary::Effect;
 
 /// A recording that takes part in a diagnosis.

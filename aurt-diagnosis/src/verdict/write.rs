@@ -149,7 +149,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     if question.unit == MeasurementUnit::Ampere {
         let scale = question.scale.map_or_else(
             || "differing torque constants of the drives resemble losses and gain errors".to_owned(),
-            |scale| scale.note(question),
+            |scale| scale.note(question.names()),
         );
         verdict.notes.push(format!(
             "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where their unit is \

@@ -295,7 +295,7 @@ fn a_mat_file_of_version_7_3_and_arrays_that_do_not_fit_say_what_to_do() {
     let text = read_recording(&path, &ReadOptions::default()).unwrap_err().to_string();
     assert!(text.contains("7.3") && text.contains("-v7"), "{text}");
     let text = error("single.npy", |o| o.columns = ColumnSelection::default());
-    assert!(text.contains("say which is which") && !text.contains("line"), "{text}");
+    assert!(text.contains("say which is which") && !text.contains("line "), "{text}");
     let text = error("stored.npz", |o| {
         o.columns.position = Some(ColumnsRef::Prefix("joint".into()));
     });
@@ -306,7 +306,7 @@ fn a_mat_file_of_version_7_3_and_arrays_that_do_not_fit_say_what_to_do() {
 #[test]
 fn rows_that_cannot_be_true_are_told_by_their_number() {
     let text = error("snappy.parquet", |o| o.position_limit_rad = 1e-6);
-    assert!(text.contains("row 1: q_0 = ") && !text.contains("line"), "{text}");
+    assert!(text.contains("row 1: q_0 = ") && !text.contains("line "), "{text}");
 }
 
 fn text_of(header: &str, scale: [f64; 3]) -> Recording {
