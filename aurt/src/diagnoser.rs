@@ -240,7 +240,7 @@ impl Diagnoser {
             scale: None,
         };
         let scale = CommonScale::of(&question, registry);
-        let scaled = scale.as_ref().map(|scale| scale.applied(&question)).transpose().map_err(Error::from)?;
+        let scaled = scale.as_ref().map(|scale| scale.applied(&question).map_err(Error::from)).transpose()?;
         let recordings = scaled.as_deref().unwrap_or(&recordings);
         let question = Question { recordings, scale: scale.as_ref(), ..question };
         let investigation =
