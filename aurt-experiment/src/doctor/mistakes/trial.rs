@@ -165,7 +165,7 @@ impl Bench {
                 }
             };
             let coefficients = (0..weights.len()).map(of_joint).collect::<Option<Vec<_>>>()?;
-            let fed = fed(&model, &coefficients, &system, fitted.iter().zip(slow()));
+            let fed = fed(&model, &coefficients, &fitted, &measured(&system));
             return Some(Fit { model, coefficients, load, fed });
         }
         let mut coefficients = solved(&system, &weights)?;
@@ -176,7 +176,7 @@ impl Bench {
             coefficients = solved(&system, &weights)?;
         }
         let coefficients = vec![coefficients];
-        let fed = fed(&model, &coefficients, &system, fitted.iter().zip(slow()));
+        let fed = fed(&model, &coefficients, &fitted, &measured(&system));
         Some(Fit { model, coefficients, load, fed })
     }
 
@@ -330,33 +330,27 @@ fn total(joints: &[Option<f64>], fed: &[bool]) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
-/// Whether the friction of each joint gives power instead of taking it, at the speeds that it was fitted to: those above the one beside each
-/// recording.
-fn fed<'a>(
+/// Whether the friction of each joint gives power instead of taking it.
+fn fed(
     model: &RobotModel,
     coefficients: &[Vec<f64>],
-    system: &System,
-    recordings: impl Iterator<Item = (&'a NamedRecording, f64)> + Clone,
+    recordings: &[NamedRecording],
+    measured: &[f64],
 ) -> Vec<bool> {
-    let measured = measured(system);
+    let rows: usize = recordings.iter().map(NamedRecording::rows).sum();
     (0..model.joints())
         .map(|joint| {
             let columns = model.group(ColumnGroup::JointDynamics(joint));
             let own = coefficients.get(joint).or(coefficients.first()).and_then(|own| own.get(columns));
             let Some([coulomb, viscous]) = own else { return false };
             let speeds = || {
-                let of = |(recording, slow_rad_s): (&'a NamedRecording, f64)| {
-                    let motions = recording.data.segments.iter().map(|s| s.motion.view());
-                    let speeds = motions.flat_map(move |m| m.velocity_rad_s(joint).to_vec());
-                    speeds.filter(move |v| v.abs() > slow_rad_s)
-                };
-                recordings.clone().flat_map(of)
+                let motions = recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+                motions.flat_map(move |m| m.velocity_rad_s(joint).to_vec())
             };
             let samples = speeds().count().max(1) as f64;
             let mean = speeds().map(f64::abs).sum::<f64>() / samples;
             let square = speeds().map(|v| v * v).sum::<f64>() / samples;
-            let rows = system.factors()[joint].rows().max(1) as f64;
-            let typical = measured[joint] / rows.sqrt() * square.sqrt();
+            let typical = measured[joint] / (rows.max(1) as f64).sqrt() * square.sqrt();
             coulomb * mean + viscous * square < -FED_SHARE * typical
         })
         .collect()
