@@ -65,6 +65,14 @@ pub struct Gain {
     pub ratio_std_dev: Option<f64>,
 }
 
+impl Gain {
+    /// True if the deviation of the gain, or of its ratio, is above a tenth of it: that is no estimate.
+    pub fn is_doubtful(&self) -> bool {
+        let relative = |std: Option<f64>, value: f64| std.is_some_and(|s| s > HARDLY * value.abs());
+        relative(self.std_dev, self.value) || relative(self.ratio_std_dev, self.ratio)
+    }
+}
+
 /// The gains of all joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gains {
@@ -283,11 +291,7 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
             "the load does not determine the gain of {joints}, only its ratio: move the load through more positions"
         ));
     }
-    let is_doubtful = |g: &Gain| {
-        let relative = |std: Option<f64>, value: f64| std.is_some_and(|s| s > HARDLY * value.abs());
-        relative(g.std_dev, g.value) || relative(g.ratio_std_dev, g.ratio)
-    };
-    if let Some(joints) = list(&is_doubtful) {
+    if let Some(joints) = list(&Gain::is_doubtful) {
         warnings.push(format!(
             "the gain of {joints} is poorly determined (standard deviation above {:.0} %): move the joint faster, or \
              attach a load off its axis",

@@ -72,7 +72,7 @@ impl<'m> Source<'m> {
         }
     }
 
-    /// Whether it is an arm term whose torque joints transmit; it sees no load itself.
+    /// True of an arm term whose torque joints transmit; it sees no load itself.
     pub(crate) fn is_load(&self) -> bool {
         matches!(self, Self::Term { term, .. } if term.is_load())
     }

@@ -101,9 +101,7 @@ fn friction_beside_a_load_is_no_noise() {
     let verdict = folder.json("out/verdict.json");
     let effects = verdict["effects"].as_array().unwrap();
     assert_eq!(effects[0]["effect"], "payload", "{verdict}");
-    let on_it = |e: &&Value| {
-        e["joints"] == serde_json::json!([2]) && e["present_in"] == serde_json::json!(["target"])
-    };
+    let on_it = |e: &&Value| e["joints"] == serde_json::json!([2]) && e["present_in"] == json!(["target"]);
     assert!(effects.iter().any(|e| on_it(&e)), "{verdict}");
     let joint = &verdict["residual"][2];
     let [floor, left, was] =
@@ -323,7 +321,7 @@ fn a_load_on_a_ur10e_is_weighed() {
     let (folder, said) = example("ur10e_payload");
     let verdict = folder.json("out/verdict.json");
     let first = &verdict["effects"][0];
-    assert_eq!((&first["effect"], &first["present_in"]), (&"payload".into(), &serde_json::json!(["target"])));
+    assert_eq!((&first["effect"], &first["present_in"]), (&"payload".into(), &json!(["target"])));
     for page in ["README.md", "docs/tutorial-why.md"] {
         let text =
             std::fs::read_to_string(format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../{}"), page)).unwrap();
@@ -343,6 +341,29 @@ fn a_load_on_a_ur10e_is_weighed() {
     for joint in 1..6 {
         assert!((after[joint] / before[joint]).powi(2) < 0.05, "joint {joint}: {before:?} {after:?}");
     }
+}
+
+/// The tutorial's load of the same recordings without torque constants.
+#[test]
+fn a_load_on_a_ur10e_is_found_in_currents() {
+    let Some(_) = real_recordings("a_load_on_a_ur10e_is_found_in_currents") else { return };
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_payload.toml");
+    let stated = std::fs::read_to_string(example).unwrap();
+    let lines = stated.lines().filter(|line| !line.starts_with("torque_constants"));
+    let folder = Folder::new();
+    folder.write("asked.toml", &lines.collect::<Vec<_>>().join("\n"));
+    let run = folder.run("diagnose asked.toml --out out --verdict-only");
+    let page =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/tutorial-why.md")).unwrap();
+    let (_, told) = page.split_once("here the load is ").unwrap();
+    let (load, _) = told.split_once(',').unwrap();
+    assert!(run.stdout().contains(load), "{load}:\n{}", run.stdout());
+    let verdict = folder.json("out/verdict.json");
+    let changed =
+        verdict["effects"].as_array().unwrap().iter().filter(|e| e["present_in"] == json!(["target"]));
+    assert_eq!(changed.map(|e| &e["effect"]).collect::<Vec<_>>(), ["payload"], "{verdict}");
+    let mass_kg = 9.839 * verdict["effects"][0]["parameters"]["mass_kg"]["value"].as_f64().unwrap();
+    assert!((mass_kg / 2.805 - 1.0).abs() < 0.03, "{mass_kg} kg of 2.805");
 }
 
 #[test]

@@ -35,6 +35,7 @@ pub use outlook::{Interval, Outlook};
 
 use aurt_calibration::{ONE_SIDED_5, student};
 use aurt_plugins::Registry;
+use aurt_recording::Recording;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::DiagnosisError;
@@ -44,7 +45,6 @@ use crate::evidence::problem::Problem;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
-use aurt_recording::Recording;
 use doubt::{Contest, doubts};
 use motion::add;
 use outlook::together;

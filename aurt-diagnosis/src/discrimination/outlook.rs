@@ -44,7 +44,7 @@ pub struct Interval {
 }
 
 impl Outlook {
-    /// That of a parameter whose deviation shall be a `wanted` one.
+    /// The outlook of a parameter whose deviation is to be the wanted one.
     pub(super) fn of_width(interval: Option<Interval>, wanted: f64) -> Self {
         let ratio = interval.as_ref().map_or(0.0, |i| wanted / i.after);
         let (settled, evidence) = (ratio.min(1.0), ratio * ratio);

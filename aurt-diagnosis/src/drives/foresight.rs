@@ -94,7 +94,7 @@ impl Foresight {
 }
 
 impl ExpectedGain {
-    /// That of a block over the errors of others.
+    /// The gain of a block, beside the errors of other blocks.
     fn of(block: &BlockApart, errors: &[&Block], options: &Options) -> Self {
         let joints = errors.first().map_or(0, |b| b.loss.len());
         let (rows, n) = (block.apart_rad.len() / joints.max(1), block.samples);

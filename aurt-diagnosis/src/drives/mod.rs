@@ -134,7 +134,7 @@ pub(crate) struct ContestedStructure {
     pub(crate) level: f64,
 }
 
-/// What was added to a model, and what was not.
+/// Structures that were added to a model, and those that were not.
 struct Additions {
     model: JudgedFit,
     /// Structures with their alternatives.
@@ -307,7 +307,7 @@ impl Search<'_> {
                     tried.push((*structure, trial, comparison));
                 }
             }
-            // What did not get so far was tried as well.
+            // Structures without a fit were tried as well.
             let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
             probabilities.resize(absent.len(), 1.0);
             let largest = largest_of_claims(&probabilities, self.demands.level);

@@ -1,6 +1,6 @@
 //! The scale that currents of several drives have in common.
 
-use aurt_calibration::{Gains, with_deviation};
+use aurt_calibration::{Gain, Gains, with_deviation};
 use aurt_traits::RobotNames;
 
 /// Ratios of torque constants that recordings determine.
@@ -12,19 +12,15 @@ pub struct CommonScale {
     ratios: Vec<Option<[f64; 2]>>,
 }
 
-/// A ratio that is less certain than by this share is none: an arm's constants differ by factors of two.
-const LEAST_CERTAIN: f64 = 0.1;
-
-/// Deviations beyond which two estimates of a ratio differ: the targets' one is then that of something that has changed.
+/// Deviations beyond which two estimates of a ratio differ, by chance on one of seventy arms of six joints: the targets' one is then that of
+/// something that has changed.
 const SAME: f64 = 3.0;
 
 impl CommonScale {
     pub(super) fn known(gains: &Gains) -> Option<Self> {
-        let known = gains.joints.iter().map(|gain| {
-            let std = gain.ratio_std_dev.filter(|std| *std < LEAST_CERTAIN * gain.ratio)?;
-            Some([gain.ratio, std])
-        });
-        let ratios: Vec<Option<[f64; 2]>> = known.collect();
+        let is_known = |gain: &&Gain| gain.ratio > 0.0 && !gain.is_doubtful();
+        let known = |gain: &Gain| Some([gain.ratio, Some(gain).filter(is_known)?.ratio_std_dev?]);
+        let ratios: Vec<Option<[f64; 2]>> = gains.joints.iter().map(known).collect();
         let others = ratios.iter().flatten().count() > 1;
         others.then_some(Self { reference: gains.reference, ratios })
     }

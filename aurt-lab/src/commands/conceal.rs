@@ -46,7 +46,7 @@ pub struct Conceal {
 pub(super) fn world(name: &str) -> Result<World, String> {
     World::named(name).ok_or_else(|| {
         let known: Vec<&str> = World::ALL.iter().map(|w| w.name()).collect();
-        format!("there is no such world; known are {}", known.join(", "))
+        format!("it is not a world; known are {}", known.join(", "))
     })
 }
 
