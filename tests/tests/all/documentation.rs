@@ -74,6 +74,18 @@ fn experiments_in_the_documentation_are_accepted() {
     assert!(found > 0, "no experiment was found");
 }
 
+/// A name that has changed would run nothing.
+#[test]
+fn modules_of_the_reference_tests_exist() {
+    let script = fs::read_to_string(Path::new(ROOT).join(".ci/instruction-sets")).unwrap();
+    let names = script.split_once("modules=(").and_then(|(_, rest)| rest.split_once(')')).expect("a list").0;
+    let crates: Vec<PathBuf> = fs::read_dir(ROOT).unwrap().map(|entry| entry.unwrap().path()).collect();
+    for name in names.split_whitespace() {
+        let file = format!("tests/all/{name}.rs");
+        assert!(crates.iter().any(|folder| folder.join(&file).exists()), "no crate has {file}");
+    }
+}
+
 #[test]
 fn links_lead_somewhere() {
     for page in pages() {
