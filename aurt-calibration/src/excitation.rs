@@ -56,9 +56,10 @@ pub(crate) fn at_rest(rows: &Observed<'_>, names: RobotNames<'_>) -> Option<Stri
     let options = rows.options;
     let share = |joint: usize| {
         let [mut rests, mut all] = [0, 0];
+        let rest = options.rest_velocity(&**rows.model.rigid_body(), joint);
         for segment in rows.recordings.iter().flat_map(|r| &r.data.segments) {
             let speeds = segment.motion.view().velocity_rad_s(joint);
-            rests += speeds.iter().filter(|v| v.abs() <= options.rest_velocity_rad_s).count();
+            rests += speeds.iter().filter(|v| v.abs() <= rest).count();
             all += speeds.len();
         }
         if rests < all { rests as f64 / all as f64 } else { 0.0 }

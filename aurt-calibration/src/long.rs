@@ -67,7 +67,7 @@ pub fn validate_long(
     check(model, recording)?;
     let joints = model.joints();
     let coefficients = calibration.coefficients();
-    let rest_velocity_rad_s = calibration.options.rest_velocity_rad_s;
+    let rest = calibration.options.rest_velocities(&**model.rigid_body());
     let (mut all, mut moving) =
         (vec![JointMetrics::default(); joints], vec![JointMetrics::default(); joints]);
     let (mut fastest, mut heaviest) = (vec![0.0_f64; joints], vec![0.0_f64; joints]);
@@ -85,7 +85,7 @@ pub fn validate_long(
                 let measured = waiting.measurement[joint][first..].iter().zip(&waiting.speed[joint][first..]);
                 for (predicted, (y, speed)) in block.column(joint).iter().zip(measured) {
                     all[joint].add(*y, *predicted);
-                    if *speed > rest_velocity_rad_s {
+                    if *speed > rest[joint] {
                         moving[joint].add(*y, *predicted);
                     }
                 }

@@ -1,3 +1,4 @@
+use aurt_traits::RigidBodyRegressor;
 use serde::{Deserialize, Serialize};
 
 /// Which least-squares weights are used.
@@ -91,7 +92,8 @@ pub struct CalibrationOptions {
     pub load_torque: LoadTorqueChoice,
     /// Treatment of resting samples in the fit.
     pub rest: Rest,
-    /// At and below this |q̇_j| a joint rests, rad/s; validation reports samples above it as moving.
+    /// At and below this |q̇_j| a joint rests, rad/s; validation reports samples above it as moving. Of joints that slide it is
+    /// [`Self::rest_velocity`].
     pub rest_velocity_rad_s: f64,
     /// Whether [`calibrate_shapes`](crate::calibrate_shapes) searches the parameters in which models are not linear;
     /// otherwise, and with [`calibrate`](crate::calibrate), they stay as the model has them.
@@ -102,11 +104,25 @@ pub struct CalibrationOptions {
     pub deviations: Deviations,
 }
 
+/// What a sliding joint's speed is divided by to be compared with one that turns, m.
+pub const SLIDE_LEVER_M: f64 = 0.1;
+
 const fn yes() -> bool {
     true
 }
 
 impl CalibrationOptions {
+    /// At and below this |q̇_j| a joint rests, in rad/s, and in m/s where it slides: there, what 0.1 m away from an axis moves at
+    /// [`Self::rest_velocity_rad_s`], the length of a link between the small arms and the large.
+    pub fn rest_velocity(&self, bodies: &dyn RigidBodyRegressor, joint: usize) -> f64 {
+        if bodies.slides(joint) { SLIDE_LEVER_M * self.rest_velocity_rad_s } else { self.rest_velocity_rad_s }
+    }
+
+    /// [`Self::rest_velocity`] of each joint.
+    pub fn rest_velocities(&self, bodies: &dyn RigidBodyRegressor) -> Vec<f64> {
+        (0..bodies.joints()).map(|joint| self.rest_velocity(bodies, joint)).collect()
+    }
+
     /// Whether what noise of the positions does is told, and part of the deviations.
     pub(crate) const fn tells_position_bias(&self) -> bool {
         matches!(self.deviations, Deviations::Memory)

@@ -88,7 +88,7 @@ pub(crate) fn calibrated_parameters(
             let std_dev = std_dev.filter(|s| s.is_finite());
             CalibratedParameter {
                 name: parameter.name.clone(),
-                unit: unit.express(&parameter.unit),
+                unit: model.unit(k, unit),
                 value,
                 std_dev,
                 relative_std_dev_percent: std_dev.filter(|_| value != 0.0).map(|s| (100.0 * s / value).abs()),

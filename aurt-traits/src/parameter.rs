@@ -47,6 +47,18 @@ impl MeasurementUnit {
             Self::Ampere => format!("A/Nm {unit}"),
         }
     }
+
+    /// [`Self::express`] of a joint that slides: force in the place of torque, lengths in that of angles.
+    ///
+    /// ```
+    /// use aurt_traits::MeasurementUnit::{Ampere, NewtonMetre};
+    /// assert_eq!(NewtonMetre.express_sliding("Nm s/rad"), "N s/m");
+    /// assert_eq!(NewtonMetre.express_sliding("kg m^2"), "kg");
+    /// assert_eq!(Ampere.express_sliding("kg m^2"), "A/N kg");
+    /// ```
+    pub fn express_sliding(self, unit: &str) -> String {
+        self.express(unit).replace("kg m^2", "kg").replace("Nm", "N").replace("rad", "m")
+    }
 }
 
 /// A coefficient that multiplies one column of a regressor.

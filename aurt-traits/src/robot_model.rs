@@ -4,8 +4,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, JointSeries, JointStack, ModelError, MotionView, Parameter,
-    RegressorTile, RigidBodyRegressor, RobotNames,
+    ArmSeries, ArmTerm, BaseParameters, Columns, JointSeries, JointStack, MeasurementUnit, ModelError,
+    MotionView, Parameter, RegressorTile, RigidBodyRegressor, RobotNames,
 };
 
 /// The robot dynamics as one regressor, linear in its coefficients:
@@ -250,6 +250,20 @@ impl RobotModel {
     /// All coefficients, in column order. Names carry the joint (`F_C0_2`) or the arm term (`spring.k_1`).
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
+    }
+
+    /// The unit of a coefficient in a model of what is measured. What acts on one joint alone, and is no load, has the units of
+    /// that joint, which turns or slides.
+    pub fn unit(&self, column: usize, measured: MeasurementUnit) -> String {
+        let unit = &self.parameters[column].unit;
+        let mut joints = (0..self.joints()).filter(|joint| self.rows[*joint].contains(&column));
+        let slides =
+            matches!((joints.next(), joints.next()), (Some(joint), None) if self.rigid_body.slides(joint));
+        if slides && !self.is_load()[column] {
+            measured.express_sliding(unit)
+        } else {
+            measured.express(unit)
+        }
     }
 
     /// The column ranges, in order.

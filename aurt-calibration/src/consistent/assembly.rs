@@ -213,7 +213,8 @@ fn signed(fit: &Fit<'_>) -> Result<Vec<Row>, CalibrationError> {
     let n = model.parameters().len();
     let mut rows: Vec<Row> = rotor_columns(model).into_iter().map(|c| (None, unit(n, c, 1.0))).collect();
     for joint in 0..model.joints() {
-        let braking = braking_rows(model, joint, &fit.ranges[joint], fit.options.rest_velocity_rad_s)?;
+        let rest_velocity = fit.options.rest_velocity(&**model.rigid_body(), joint);
+        let braking = braking_rows(model, joint, &fit.ranges[joint], rest_velocity)?;
         rows.extend(braking.into_iter().map(|row| (Some(joint), DVector::from_vec(row))));
     }
     Ok(rows)

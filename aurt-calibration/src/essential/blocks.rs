@@ -48,13 +48,13 @@ fn block(full: &Full<'_>, piece: &Piece<'_>, range: Range<usize>) -> Result<Syst
             for (joint, factor) in factors.iter_mut().enumerate() {
                 let columns = model.row_columns(joint);
                 let first_slot = model.row_slots(joint).start;
+                let rest = options.rest_velocity(&**model.rigid_body(), joint);
                 factor.push(
                     |k| if acting[columns[k]] { block.column(first_slot + k) } else { &absent },
                     block.measurement(&measurement[joint]),
                     |row| {
                         range.contains(&(block.first_row + row))
-                            && (options.rest == Rest::Keep
-                                || block.speed(segment, joint, row) > options.rest_velocity_rad_s)
+                            && (options.rest == Rest::Keep || block.speed(segment, joint, row) > rest)
                     },
                 );
             }

@@ -50,7 +50,7 @@ pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
 /// The state in which friction contradicts physics most clearly, if it does.
 fn worst(fitted: &Fitted<'_>, joint: usize) -> Result<Option<Driven>, ModelError> {
     let (model, range) = (fitted.model, &fitted.ranges[joint]);
-    if range.velocity_rad_s <= fitted.options.rest_velocity_rad_s {
+    if range.velocity_rad_s <= fitted.options.rest_velocity(&**model.rigid_body(), joint) {
         return Ok(None);
     }
     let loads = loads(model, joint, range);
@@ -82,10 +82,10 @@ pub(crate) fn braking_rows(
     model: &RobotModel,
     joint: usize,
     range: &JointRange,
-    rest_velocity_rad_s: f64,
+    rest_velocity: f64,
 ) -> Result<Vec<Vec<f64>>, ModelError> {
     let mut rows = Vec::new();
-    if range.velocity_rad_s > rest_velocity_rad_s {
+    if range.velocity_rad_s > rest_velocity {
         for load in loads(model, joint, range) {
             for share in std::iter::once(SLOW).chain(SPEEDS) {
                 rows.push(braking(model, joint, share * range.velocity_rad_s, load)?);

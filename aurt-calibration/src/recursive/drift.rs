@@ -206,13 +206,13 @@ fn windows_of_segment(
             if own.is_empty() {
                 continue;
             }
+            let rest = options.rest_velocity(&**model.rigid_body(), joint);
             for window in window_of(own.start)..=window_of(own.end - 1) {
                 windows[first + window].system.factors_mut()[joint].push(column, &left, |row| {
                     let at = block.first_row + row;
                     own.contains(&at)
                         && window_of(at) == window
-                        && (options.rest == Rest::Keep
-                            || block.speed(segment, joint, row) > options.rest_velocity_rad_s)
+                        && (options.rest == Rest::Keep || block.speed(segment, joint, row) > rest)
                 });
             }
         }

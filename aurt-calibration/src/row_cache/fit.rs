@@ -235,8 +235,9 @@ impl Piece {
         let keep = (options.rest == Rest::Exclude).then(|| {
             let data = rigid.segment(recording, segment);
             let motion = data.motion.view();
-            let moves = |joint, row: &usize| {
-                motion.velocity_rad_s(joint)[data.sample(*row)].abs() > options.rest_velocity_rad_s
+            let rest = options.rest_velocities(rigid.rigid_body());
+            let moves = |joint: usize, row: &usize| {
+                motion.velocity_rad_s(joint)[data.sample(*row)].abs() > rest[joint]
             };
             (0..rigid.joints()).map(|j| (0..data.rows()).filter(|row| moves(j, row)).collect()).collect()
         });

@@ -43,7 +43,7 @@ impl RigidRows<'_> {
         let named = &self.recordings()[recording];
         let coefficients = calibration.coefficients();
         let acting = scopes.acting(model, &named.name);
-        let rest = calibration.options.rest_velocity_rad_s;
+        let rest = calibration.options.rest_velocities(&**model.rigid_body());
         let sources = Source::all(model);
         for (s, segment) in named.data.segments.iter().enumerate() {
             let Some(measurement) = &segment.measurement else { continue };
@@ -73,13 +73,13 @@ impl RigidRows<'_> {
                 for (k, column) in self.columns(joint).iter().enumerate() {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
                 }
-                for row in validated(segment, rows, rest) {
+                for row in validated(segment, rows, &rest) {
                     let sample = segment.sample(row);
                     visit(JudgedRow {
                         segment: s,
                         time_s: motion.time_s()[sample],
                         joint,
-                        moving: motion.velocity_rad_s(joint)[sample].abs() > rest,
+                        moving: motion.velocity_rad_s(joint)[sample].abs() > rest[joint],
                         measured: measurement[joint][row],
                         predicted: predicted[row],
                     });

@@ -47,6 +47,10 @@ struct RigidTile {
 }
 
 impl<'r> RigidRows<'r> {
+    pub(super) fn rigid_body(&self) -> &dyn RigidBodyRegressor {
+        &*self.rigid_body
+    }
+
     /// Evaluates and filters the rigid-body columns of `model` over `recordings`; any model of the same rigid bodies
     /// can then use them.
     ///

@@ -249,13 +249,11 @@ fn fold(
     let first = block.first_row - measured.first_row;
     for (joint, factor) in (first_joint..).zip(factors) {
         let (slots, columns) = (model.row_slots(joint), model.row_columns(joint));
+        let rest = options.rest_velocity(&**model.rigid_body(), joint);
         factor.push(
             |k| if acting[columns[k]] { block.column(slots.start - first_slot + k) } else { &absent },
             &measured.measurement[joint][first..first + block.rows],
-            |row| {
-                options.rest == Rest::Keep
-                    || (measured.speed)(joint, first + row) > options.rest_velocity_rad_s
-            },
+            |row| options.rest == Rest::Keep || (measured.speed)(joint, first + row) > rest,
         );
     }
 }

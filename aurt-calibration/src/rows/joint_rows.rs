@@ -37,11 +37,10 @@ pub(super) fn rows_of(
         .collect();
     for_each_row_block(model, segment, load, |block| {
         for (j, rows) in joints.iter_mut().enumerate() {
-            let kept: Vec<bool> = (0..block.rows)
-                .map(|row| {
-                    options.rest == Rest::Keep || block.speed(segment, j, row) > options.rest_velocity_rad_s
-                })
-                .collect();
+            let rest = options.rest_velocity(&**model.rigid_body(), j);
+            let moves = |row| block.speed(segment, j, row) > rest;
+            let kept: Vec<bool> =
+                (0..block.rows).map(|row| options.rest == Rest::Keep || moves(row)).collect();
             let mut left = block.measurement(&measurement[j]).to_vec();
             for ((slot, column), into) in model.row_slots(j).zip(model.row_columns(j)).zip(&mut rows.columns)
             {

@@ -50,9 +50,10 @@ pub fn compare(
         coefficients.iter().enumerate().map(|(k, c)| if rigid.contains(&k) { *c } else { 0.0 }).collect();
     let mut found =
         Comparison { joints: vec![ComparedJoint::default(); model.joints()], ..Comparison::default() };
+    let rest = calibration.options.rest_velocities(&**model.rigid_body());
     for segment in &recording.data.segments {
         let Some(measurement) = &segment.measurement else { continue };
-        let looked_at = validated(segment, rows, calibration.options.rest_velocity_rad_s);
+        let looked_at = validated(segment, rows, &rest);
         let motion = segment.motion.view();
         found.segment_starts.push(found.time_s.len());
         found.time_s.extend(looked_at.clone().map(|row| motion.time_s()[segment.sample(row)]));

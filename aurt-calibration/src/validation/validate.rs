@@ -34,15 +34,14 @@ pub enum ValidatedRows {
     All,
 }
 
-pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_rad_s: f64) -> Range<usize> {
+pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest: &[f64]) -> Range<usize> {
     let all = 0..segment.rows();
     if rows == ValidatedRows::All {
         return all;
     }
     let motion = segment.motion.view();
     let moves = |row: &usize| {
-        (0..motion.joints())
-            .any(|j| motion.velocity_rad_s(j)[segment.sample(*row)].abs() > rest_velocity_rad_s)
+        (0..motion.joints()).any(|j| motion.velocity_rad_s(j)[segment.sample(*row)].abs() > rest[j])
     };
     match (all.clone().find(moves), all.clone().rfind(moves)) {
         (Some(first), Some(last)) => first..last + 1,
@@ -65,9 +64,10 @@ pub fn validate(
     let mut all = vec![JointMetrics::default(); model.joints()];
     let mut moving = all.clone();
     let mut samples = 0;
+    let rest = calibration.options.rest_velocities(&**model.rigid_body());
     for segment in &recording.data.segments {
         let Some(measurement) = &segment.measurement else { continue };
-        let looked_at = validated(segment, rows, calibration.options.rest_velocity_rad_s);
+        let looked_at = validated(segment, rows, &rest);
         samples += looked_at.len();
         for_each_predicted_block(model, segment, &calibration.load, &coefficients, |block| {
             for joint in 0..model.joints() {
@@ -77,7 +77,7 @@ pub fn validate(
                         continue;
                     }
                     all[joint].add(*y, *predicted);
-                    if block.speed(segment, joint, row) > calibration.options.rest_velocity_rad_s {
+                    if block.speed(segment, joint, row) > rest[joint] {
                         moving[joint].add(*y, *predicted);
                     }
                 }

@@ -11,7 +11,8 @@ use aurt_plugins::Registry;
 use aurt_plugins::model::model_file::{read_rigid_body, robot_model_to_json};
 use aurt_report::rendering::table::Table;
 use aurt_traits::{
-    ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
+    ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel,
+    ViscousBasis,
 };
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -137,8 +138,14 @@ fn joint_parameters(model: &RobotModel) -> Table {
             ColumnGroup::JointDynamics(joint) => joint.to_string(),
             ColumnGroup::ArmTerm(_) => "arm".into(),
         };
-        let names: Vec<String> =
-            model.parameters()[range.clone()].iter().map(|p| format!("{} [{}]", p.name, p.unit)).collect();
+        let named = |column: usize| {
+            format!(
+                "{} [{}]",
+                model.parameters()[column].name,
+                model.unit(column, MeasurementUnit::NewtonMetre)
+            )
+        };
+        let names: Vec<String> = range.clone().map(named).collect();
         table.row([owner, names.join(", ")]);
     }
     table

@@ -186,3 +186,75 @@ fn a_sample_counts_once() {
     folder.run("run held_out.toml --out out").refused(&found);
     folder.run("diagnose held_out.toml --out out").refused(&found);
 }
+
+/// A recording of a SCARA arm, two links of 0.4 m in the plane and a slow vertical axis that holds still two thirds of the time, whose
+/// units are m and N.
+fn scara(phase: f64) -> String {
+    let mut table = "timestamp,actual_q_0,actual_q_1,actual_q_2,tau_0,tau_1,tau_2\n".to_owned();
+    let sines = |t: f64, slow: f64| {
+        let parts = [(0.7, slow), (0.3, 2.7 * slow)];
+        let sum =
+            |of: fn(f64, f64, f64) -> f64| parts.iter().map(|(a, w)| of(*a, *w, t + phase)).sum::<f64>();
+        [
+            sum(|a, w, t| a * (w * t).sin()),
+            sum(|a, w, t| a * w * (w * t).cos()),
+            sum(|a, w, t| -a * w * w * (w * t).sin()),
+        ]
+    };
+    // Up by 45 mm within a second, or down in 0.56 s, then rest.
+    let stroke = |t: f64| {
+        let (up, [way, rate]) = match ((t + phase) / 3.0).rem_euclid(2.0) < 1.0 {
+            true => (0.0, [0.045, 1.0]),
+            false => (0.045, [-0.045, 1.8]),
+        };
+        let at = (((t + phase) % 3.0) * rate).min(1.0);
+        let [s, v] = [at.powi(3) * (10.0 - 15.0 * at + 6.0 * at * at), 30.0 * (at * (1.0 - at)).powi(2)];
+        let a = 60.0 * at * (1.0 - at) * (1.0 - 2.0 * at);
+        [up + way * s, rate * way * v, rate * rate * way * a]
+    };
+    let rubs = |v: f64, dry: f64, wet: f64| if v.abs() > 1e-6 { dry * v.signum() + wet * v } else { 0.0 };
+    let mut noise = 1_u32;
+    for k in 0..6000 {
+        let t = f64::from(k) * 0.005;
+        let ([q0, v0, a0], [q1, v1, a1], [z, vz, az]) = (sines(t, 1.1), sines(t, 1.7), stroke(t));
+        let coupled = 1.1 * q1.cos();
+        let torques = [
+            (2.9 + 2.0 * coupled) * a0 + (0.9 + coupled) * a1 - 1.1 * q1.sin() * (2.0 * v0 * v1 + v1 * v1)
+                + rubs(v0, 4.0, 3.0),
+            (0.9 + coupled) * a0 + 0.9 * a1 + 1.1 * q1.sin() * v0 * v0 + rubs(v1, 3.0, 2.0),
+            4.0 * (az + 9.81) + rubs(vz, 12.0, 60.0),
+        ];
+        let mut torque = |of: f64| {
+            noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            of + 0.2 * (f64::from(noise >> 8) / f64::from(1 << 24) - 0.5)
+        };
+        let [x, y, w] = torques.map(&mut torque);
+        table += &format!("{t:.3},{q0:.6},{q1:.6},{z:.7},{x:.3},{y:.3},{w:.3}\n");
+    }
+    table
+}
+
+#[test]
+fn an_axis_that_slides_has_a_rest_and_units_of_its_own() {
+    let folder = Folder::new();
+    folder.write(
+        "mdh.csv",
+        "alpha,a,d,theta,type\n0,0,0.3,0,revolute\n0,0.4,0,0,revolute\n0,0.4,0,0,prismatic\n",
+    );
+    folder.write("one.csv", &scara(0.0));
+    folder.write("two.csv", &scara(31.4037));
+    folder.write(
+        "arm.toml",
+        "schema = 1\n[robot]\nmdh = 'mdh.csv'\nmdh_rows = 'previous'\ngravity_m_s2 = [0, 0, -9.81]\n[recordings]\n\
+         calibration = ['one.csv']\nvalidation = ['two.csv']\n[preprocess]\nf_dyn_hz = 5\n",
+    );
+    folder.run("check arm.toml").succeeded();
+    folder.run("run arm.toml --out out").succeeded();
+    let parameters = folder.read("out/calibrated_parameters.csv");
+    for (parameter, unit, truth) in [("F_C0_1", "Nm", 3.0), ("F_C0_2", "N", 12.0), ("F_v1_2", "N s/m", 60.0)]
+    {
+        let line = parameters.lines().find(|line| line.starts_with(parameter)).unwrap();
+        let cells: Vec<&str> = line.split(',').collect();
+        assert!(cells[2] == unit && (cells[1].parse::<f64>().unwrap() / truth - 1.0).abs() < 0.1, "{line}");
+    }
+}

@@ -119,7 +119,7 @@ fn wording(parameters: &Parameters, measured: MeasurementUnit, names: RobotNames
         Some(std) => with_deviation(value.abs(), std),
         None => format!("{:.3}", value.abs()),
     };
-    let unit = Unit::Mass.symbol(measured);
+    let unit = measured.express("kg");
     let phrase = if value < 0.0 {
         format!("a load of {mass} {unit} removed from {on}")
     } else {

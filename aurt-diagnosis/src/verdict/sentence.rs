@@ -15,6 +15,7 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
     let changed = finding.present_in == ["target"];
     let when = if changed { ", in the target recordings only" } else { "" };
     let effect = effects::find(&finding.effect);
+    let slides = finding.joints.iter().all(|joint| question.model.rigid_body().slides(*joint));
     let joints = names.joint_list(&finding.joints);
     if let Some(wording) = effect.and_then(|e| e.wording) {
         let Wording { phrase, detail } = wording(&finding.parameters, unit, names);
@@ -30,7 +31,7 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
         .into_iter()
         .filter_map(|(name, p)| {
             let parameter = effect.and_then(|e| e.parameter(name));
-            let name = parameter.map_or_else(|| name.clone(), |p| p.name_in(unit));
+            let name = parameter.map_or_else(|| name.clone(), |p| p.name_in(unit, slides));
             let values: Option<Vec<String>> = match (p.value.as_array(), p.std.as_array()) {
                 (Some(values), Some(stds)) if values.len() == finding.joints.len() => {
                     values.iter().zip(stds).map(|(value, std)| number(value, std)).collect()

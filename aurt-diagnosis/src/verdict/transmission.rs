@@ -9,7 +9,6 @@ use crate::request::Question;
 use crate::transmission::Shaking;
 use crate::verdict::confidence::confidence;
 use crate::verdict::{Evidence, Finding, Indication};
-use crate::vocabulary::Unit;
 
 /// Findings for gears that pass all tests.
 pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
@@ -43,13 +42,16 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
         ("damping_nm_s".to_owned(), number(shaking.damping_nm_s)),
     ]);
     let joint = question.names().joint(shaking.joint);
+    let slides = question.model.rigid_body().slides(shaking.joint);
+    let unit = |of| if slides { question.unit.express_sliding(of) } else { question.unit.express(of) };
     let play = shaking.gap_rad[0] > 0.0;
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
         format!(
-            "{} on {joint}: a play of ± ({}) rad predicts the residual of the rigid model",
+            "{} on {joint}: a play of ± ({}) {} predicts the residual of the rigid model",
             shaking.effect.title,
-            sized(shaking.gap_rad)
+            sized(shaking.gap_rad),
+            unit("rad")
         )
     } else {
         parameters.insert("frequency_hz".to_owned(), ParameterValue::exact(shaking.frequency_hz));
@@ -57,7 +59,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
             "{} on {joint}: a stiffness of {} {} ({:.1} Hz) predicts the residual of the rigid model",
             shaking.effect.title,
             sized(shaking.stiffness_nm_rad),
-            Unit::Stiffness.symbol(question.unit),
+            unit("Nm/rad"),
             shaking.frequency_hz
         )
     };

@@ -26,7 +26,7 @@ use crate::verdict::{
     Answer, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
 use crate::vocabulary::{Effect, Means, Presence};
-use aurt_traits::{ColumnGroup, MeasurementUnit};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RigidBodyRegressor};
 
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
     let fitted = Fitted::new(investigation, investigation.switches());
@@ -116,7 +116,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         schema: SCHEMA,
         settings: SelectionOptions { f_dyn_hz: Some(question.f_dyn_hz), ..question.selection },
         unit: question.unit,
-        gears_visible: visible_beside(&residual, &investigation.gears_visible),
+        gears_visible: visible_beside(
+            &**question.model.rigid_body(),
+            &residual,
+            &investigation.gears_visible,
+        ),
         joint_names: question.names().joints.to_vec(),
         link_names: question.names().links.to_vec(),
         verdict: answer,
@@ -197,10 +201,15 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     verdict
 }
 
-/// The gears that would have shown: of joints that keep something nothing is said.
-fn visible_beside(residual: &[JointResidual], visible: &[VisibleGear]) -> Vec<VisibleGear> {
+/// The gears that would have shown: nothing is said of joints that keep something, nor of those that slide, whose gears are no
+/// such angles and stiffnesses.
+fn visible_beside(
+    bodies: &dyn RigidBodyRegressor,
+    residual: &[JointResidual],
+    visible: &[VisibleGear],
+) -> Vec<VisibleGear> {
     let is_open = |joint: usize| residual.iter().any(|r| r.joint == joint && r.structure_left);
-    let beside = |gear: &VisibleGear| match is_open(gear.joint) {
+    let beside = |gear: &VisibleGear| match is_open(gear.joint) || bodies.slides(gear.joint) {
         true => VisibleGear { joint: gear.joint, below_nm_rad: None, beyond_rad: None },
         false => *gear,
     };

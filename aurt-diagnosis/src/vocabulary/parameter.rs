@@ -37,52 +37,40 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What names of parameters of the unit end with, and its symbol, in a model of torques.
-    const fn of_torques(self) -> [&'static str; 2] {
-        match self {
-            Self::One => ["", ""],
-            Self::Measurement => ["", "Nm"],
-            Self::Torque => ["_nm", "Nm"],
-            Self::PerTorque => ["_per_nm", "1/Nm"],
-            Self::Damping => ["_nm_s", "Nm s/rad"],
-            Self::Stiffness => ["_nm_rad", "Nm/rad"],
-            Self::Inertia => ["_kg_m2", "kg m²"],
-            Self::Mass => ["_kg", "kg"],
-            Self::FirstMoment => ["_kg_m", "kg m"],
-            Self::Length => ["_m", "m"],
-            Self::Angle => ["_rad", "rad"],
-            Self::Velocity => ["_rad_s", "rad/s"],
-            Self::Time => ["_s", "s"],
-            Self::Frequency => ["_hz", "Hz"],
-            Self::Force => ["_n", "N"],
+    /// What names of parameters of the unit end with, in a model of what is measured. Of joints that slide, force stands for
+    /// torque and lengths for angles.
+    const fn ending(self, measured: MeasurementUnit, slides: bool) -> &'static str {
+        match (self, measured, slides) {
+            (Self::One | Self::Measurement, ..) => "",
+            (Self::Torque, MeasurementUnit::NewtonMetre, false) => "_nm",
+            (Self::Torque, MeasurementUnit::NewtonMetre, true) => "_n",
+            (Self::Torque, MeasurementUnit::Ampere, _) => "_a",
+            (Self::PerTorque, MeasurementUnit::NewtonMetre, false) => "_per_nm",
+            (Self::PerTorque, MeasurementUnit::NewtonMetre, true) => "_per_n",
+            (Self::PerTorque, MeasurementUnit::Ampere, _) => "_per_a",
+            (Self::Damping, MeasurementUnit::NewtonMetre, false) => "_nm_s",
+            (Self::Damping, MeasurementUnit::NewtonMetre, true) => "_n_s_per_m",
+            (Self::Damping, MeasurementUnit::Ampere, false) => "_a_s",
+            (Self::Damping, MeasurementUnit::Ampere, true) => "_a_s_per_m",
+            (Self::Stiffness, MeasurementUnit::NewtonMetre, false) => "_nm_rad",
+            (Self::Stiffness, MeasurementUnit::NewtonMetre, true) => "_n_per_m",
+            (Self::Stiffness, MeasurementUnit::Ampere, false) => "_a_rad",
+            (Self::Stiffness, MeasurementUnit::Ampere, true) => "_a_per_m",
+            (Self::Inertia, MeasurementUnit::NewtonMetre, false) => "_kg_m2",
+            (Self::Inertia, MeasurementUnit::Ampere, false) => "_a_per_nm_kg_m2",
+            (Self::Inertia, MeasurementUnit::Ampere, true) => "_a_per_n_kg",
+            (Self::Mass, MeasurementUnit::NewtonMetre, _) | (Self::Inertia, _, true) => "_kg",
+            (Self::Mass, MeasurementUnit::Ampere, _) => "_a_per_nm_kg",
+            (Self::FirstMoment, MeasurementUnit::NewtonMetre, _) => "_kg_m",
+            (Self::FirstMoment, MeasurementUnit::Ampere, _) => "_a_per_nm_kg_m",
+            (Self::Length, ..) | (Self::Angle, _, true) => "_m",
+            (Self::Angle, _, false) => "_rad",
+            (Self::Velocity, _, false) => "_rad_s",
+            (Self::Velocity, _, true) => "_m_s",
+            (Self::Time, ..) => "_s",
+            (Self::Frequency, ..) => "_hz",
+            (Self::Force, ..) => "_n",
         }
-    }
-
-    /// The same in a model of currents.
-    const fn of_currents(self) -> [&'static str; 2] {
-        match self {
-            Self::Measurement => ["", "A"],
-            Self::Torque => ["_a", "A"],
-            Self::PerTorque => ["_per_a", "1/A"],
-            Self::Damping => ["_a_s", "A s/rad"],
-            Self::Stiffness => ["_a_rad", "A/rad"],
-            Self::Inertia => ["_a_per_nm_kg_m2", "A/Nm kg m²"],
-            Self::Mass => ["_a_per_nm_kg", "A/Nm kg"],
-            Self::FirstMoment => ["_a_per_nm_kg_m", "A/Nm kg m"],
-            other => other.of_torques(),
-        }
-    }
-
-    const fn of(self, measured: MeasurementUnit) -> [&'static str; 2] {
-        match measured {
-            MeasurementUnit::NewtonMetre => self.of_torques(),
-            MeasurementUnit::Ampere => self.of_currents(),
-        }
-    }
-
-    /// Its symbol, in a model of what is measured in a unit.
-    pub const fn symbol(self, measured: MeasurementUnit) -> &'static str {
-        self.of(measured)[1]
     }
 
     /// Whether a value in it is off by as much as the drives' gains are.
@@ -128,10 +116,12 @@ impl Parameter {
         Self { components, ..self }
     }
 
-    /// Its name in a model of what is measured in a unit: `coulomb_nm` is `coulomb_a` in a model of currents.
-    pub fn name_in(&self, measured: MeasurementUnit) -> String {
-        let stem = self.name.strip_suffix(self.unit.of_torques()[0]).unwrap_or(self.name);
-        format!("{stem}{}", self.unit.of(measured)[0])
+    /// Its name in a model of what is measured in a unit: `coulomb_nm` is `coulomb_a` in a model of currents, and `coulomb_n` of
+    /// joints that slide.
+    pub fn name_in(&self, measured: MeasurementUnit, slides: bool) -> String {
+        let in_torques = self.unit.ending(MeasurementUnit::NewtonMetre, false);
+        let stem = self.name.strip_suffix(in_torques).unwrap_or(self.name);
+        format!("{stem}{}", self.unit.ending(measured, slides))
     }
 }
 
@@ -141,14 +131,11 @@ mod tests {
 
     #[test]
     fn names_say_the_unit() {
-        let named = |name, unit| Parameter::new(name, unit).name_in(MeasurementUnit::Ampere);
+        let named = |name, unit| Parameter::new(name, unit).name_in(MeasurementUnit::Ampere, false);
         assert_eq!(named("amplitude_nm", Unit::Torque), "amplitude_a");
         assert_eq!(named("inertia_kg_m2", Unit::Inertia), "inertia_a_per_nm_kg_m2");
         assert_eq!(named("order", Unit::One), "order");
-        assert_eq!(
-            Unit::Mass.symbol(MeasurementUnit::Ampere),
-            "A/Nm kg",
-            "a mass in amperes is no mass in kg"
-        );
+        let inertia = Parameter::new("inertia_kg_m2", Unit::Inertia);
+        assert_eq!(inertia.name_in(MeasurementUnit::NewtonMetre, true), "inertia_kg");
     }
 }

@@ -164,11 +164,11 @@ fn of_description(
 
 /// The parameters of a model, known without uncertainty.
 pub(super) fn exact_parameters(model: &RobotModel, values: &[f64]) -> Vec<CalibratedParameter> {
-    let parameters = model.parameters().iter().zip(values);
+    let parameters = model.parameters().iter().zip(values).enumerate();
     parameters
-        .map(|(parameter, value)| CalibratedParameter {
+        .map(|(column, (parameter, value))| CalibratedParameter {
             name: parameter.name.clone(),
-            unit: parameter.unit.clone(),
+            unit: model.unit(column, MeasurementUnit::NewtonMetre),
             value: *value,
             std_dev: None,
             relative_std_dev_percent: None,

@@ -10,7 +10,7 @@ use crate::workbench::failure::Failure;
 use aurt::Role;
 use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
 use aurt::fitting::Assigned;
-use aurt_calibration::{NamedRecording, TermScopes};
+use aurt_calibration::{CalibrationOptions, NamedRecording, Rest, SLIDE_LEVER_M, TermScopes};
 use aurt_diagnosis::RecordingFaults;
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};
 use aurt_recording::{Recording, median_step_s, preprocess};
@@ -188,7 +188,7 @@ pub struct Part {
     pub fitted: bool,
     pub recording: Arc<Recording>,
     pub options: Arc<Preprocessing>,
-    /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
+    /// Up to this |q̇_j| a row does not count for joint j, rad/s ([`CalibrationOptions::rest_velocity`]): what holds a joint at rest knows no sign. A share of the speed in
     /// the recording as it is, so that the same rows count whatever the units of angles and stamps.
     pub slow_rad_s: f64,
     /// The first stamp of the recording, s.
@@ -197,6 +197,15 @@ pub struct Part {
 }
 
 impl Part {
+    /// How its rows are fitted.
+    pub fn rest_options(&self) -> CalibrationOptions {
+        CalibrationOptions {
+            rest: Rest::Exclude,
+            rest_velocity_rad_s: self.slow_rad_s,
+            ..CalibrationOptions::default()
+        }
+    }
+
     /// The part on its grid; nothing if its samples allow no filter.
     pub fn prepared(&self) -> Option<Arc<NamedRecording>> {
         self.prepared
@@ -234,6 +243,7 @@ impl Setup {
         };
         let counted =
             |role| subject.recordings.iter().filter(measured).filter(move |r| r.role == role).count();
+        let slides = |joint| Coupling::slides(joint, &subject.joints, &subject.couplings);
         let mut parts = Vec::new();
         for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
             let whole = window(&assigned.loaded)?;
@@ -251,7 +261,7 @@ impl Setup {
             });
             let label = assigned.loaded.source.label.clone();
             let origin_s = assigned.loaded.recording.time_s.first().copied().unwrap_or_default();
-            let speeds = speeds_rad_s(&recording);
+            let speeds = speeds_rad_s(&recording, slides);
             let squares: f64 = speeds.iter().flatten().map(|v| v * v).sum();
             let count = speeds.iter().map(Vec::len).sum::<usize>().max(1);
             let slow_rad_s = SLOW_SHARE * (squares / count as f64).sqrt();
@@ -325,14 +335,17 @@ fn window(loaded: &Loaded) -> Result<Recording, Failure> {
     Ok(RecordingFaults::find("", &recording).repaired(&recording).unwrap_or(recording))
 }
 
-/// From each sample to the next, per joint, rad/s; 0 where the stamps tell none.
-fn speeds_rad_s(recording: &Recording) -> Vec<Vec<f64>> {
-    let speed = |(q, t): (&[f64], &[f64])| {
-        let speed = (q[1] - q[0]) / (t[1] - t[0]);
-        if speed.is_finite() { speed } else { 0.0 }
+/// From each sample to the next, per joint, rad/s, of joints that slide over [`SLIDE_LEVER_M`]; 0 where the stamps tell none.
+fn speeds_rad_s(recording: &Recording, slides: impl Fn(usize) -> bool) -> Vec<Vec<f64>> {
+    let of = |(joint, q): (usize, &Vec<f64>)| {
+        let lever = if slides(joint) { SLIDE_LEVER_M } else { 1.0 };
+        let speed = |(q, t): (&[f64], &[f64])| {
+            let speed = (q[1] - q[0]) / (t[1] - t[0]) / lever;
+            if speed.is_finite() { speed } else { 0.0 }
+        };
+        q.windows(2).zip(recording.time_s.windows(2)).map(speed).collect()
     };
-    let of = |q: &Vec<f64>| q.windows(2).zip(recording.time_s.windows(2)).map(speed).collect();
-    recording.position_rad.iter().map(of).collect()
+    recording.position_rad.iter().enumerate().map(of).collect()
 }
 
 struct Thin {

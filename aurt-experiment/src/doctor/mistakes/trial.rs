@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use aurt_calibration::{
-    CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate, for_each_predicted_block,
+    CalibrationOptions, NamedRecording, System, TermScopes, accumulate, for_each_predicted_block,
 };
 use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
@@ -148,7 +148,7 @@ impl Bench {
     pub fn fit(&self, setup: &Setup) -> Option<Fit> {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
-        let slow = || setup.parts.iter().filter(|p| p.fitted).map(|p| p.slow_rad_s);
+        let slow = || setup.parts.iter().filter(|p| p.fitted).map(Part::rest_options);
         let mut load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
         let mut system = self.system(&model, fitted.iter().zip(slow()), &load)?;
         let weights: Vec<f64> =
@@ -188,10 +188,11 @@ impl Bench {
         let mut moving = vec![false; joints];
         for part in setup.parts.iter().filter(|p| !p.fitted) {
             let prepared = part.prepared()?;
+            let rest = part.rest_options().rest_velocities(&**model.rigid_body());
             for (joint, moves) in moving.iter_mut().enumerate() {
-                *moves |= share_moving(&prepared, joint, part.slow_rad_s) > LEAST_MOVING;
+                *moves |= share_moving(&prepared, joint, rest[joint]) > LEAST_MOVING;
             }
-            let judged = |of: &Vec<f64>| self.judged(model, &prepared, part.slow_rad_s, load, of);
+            let judged = |of: &Vec<f64>| self.judged(model, &prepared, &rest, load, of);
             let each = coefficients.iter().map(judged).collect::<Option<Vec<_>>>()?;
             // Rows of a joint are predicted with its own coefficients, where it has some.
             let own =
@@ -209,8 +210,8 @@ impl Bench {
     /// Errors and measurements of a part under a fit of all joints together, row by row.
     pub fn rows(&self, part: &Part, fit: &Fit) -> Option<FittedRows> {
         let prepared = part.prepared()?;
-        let joints =
-            self.judged(&fit.model, &prepared, part.slow_rad_s, &fit.load, fit.coefficients.first()?)?;
+        let rest = part.rest_options().rest_velocities(&**fit.model.rigid_body());
+        let joints = self.judged(&fit.model, &prepared, &rest, &fit.load, fit.coefficients.first()?)?;
         let segments = prepared.data.segments.iter().filter(|s| s.measurement.is_some());
         let stamps = |s: &aurt_recording::Segment| -> Vec<f64> {
             let motion = s.motion.view();
@@ -224,7 +225,7 @@ impl Bench {
         &self,
         model: &RobotModel,
         recording: &NamedRecording,
-        slow_rad_s: f64,
+        rest: &[f64],
         load: &LoadTorque,
         coefficients: &[f64],
     ) -> Option<Vec<Vec<Option<[f64; 2]>>>> {
@@ -239,7 +240,7 @@ impl Bench {
                     let measured = block.measurement(&measurement[joint]);
                     rows.extend(measured.iter().zip(block.column(joint)).enumerate().map(
                         |(row, (y, predicted))| {
-                            let counts = block.speed(segment, joint, row) > slow_rad_s;
+                            let counts = block.speed(segment, joint, row) > rest[joint];
                             counts.then_some([y - predicted, *y])
                         },
                     ));
@@ -265,16 +266,11 @@ impl Bench {
     fn system<'r>(
         &self,
         model: &RobotModel,
-        recordings: impl Iterator<Item = (&'r NamedRecording, f64)>,
+        recordings: impl Iterator<Item = (&'r NamedRecording, CalibrationOptions)>,
         load: &LoadTorque,
     ) -> Option<System> {
         let mut all: Option<System> = None;
-        for (recording, rest_velocity_rad_s) in recordings {
-            let options = CalibrationOptions {
-                rest: Rest::Exclude,
-                rest_velocity_rad_s,
-                ..CalibrationOptions::default()
-            };
+        for (recording, options) in recordings {
             let one = accumulate(model, std::slice::from_ref(recording), &self.scopes, load, &options);
             match (&mut all, one.ok()?) {
                 (Some(all), one) => all.merge(&one).ok()?,
@@ -300,10 +296,10 @@ fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecord
     all.filter(|a| !a.is_empty())
 }
 
-fn share_moving(recording: &NamedRecording, joint: usize, slow_rad_s: f64) -> f64 {
+fn share_moving(recording: &NamedRecording, joint: usize, rest_velocity: f64) -> f64 {
     let motions = || recording.data.segments.iter().map(|s| s.motion.view());
     let samples: usize = motions().map(|m| m.samples()).sum();
-    let moving = |v: &&f64| v.abs() > slow_rad_s;
+    let moving = |v: &&f64| v.abs() > rest_velocity;
     let moving: usize = motions().map(|m| m.velocity_rad_s(joint).iter().filter(moving).count()).sum();
     moving as f64 / samples.max(1) as f64
 }
