@@ -232,29 +232,33 @@ fn clean(verdict: &Verdict, nothing: &str, unclaimed: &str) -> String {
     format!("{unclaimed}; the error of {} exceeds {floor}", verdict.names().joint_list(&beyond))
 }
 
-/// The finding with the most evidence in a few words, and how many more there are.
+/// The finding with the most evidence in a few words, and the other one, or how many more there are.
 fn brief(verdict: &Verdict, mut found: Vec<&Finding>) -> Option<String> {
     found.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
-    let first = found.first()?;
     let title = |id: &str| {
         let title = effects::find(id).map_or(id, |e| e.title);
         title.split(" (").next().unwrap_or(title).to_owned()
     };
-    let effect = effects::find(&first.effect);
-    let named = match effect.and_then(|e| e.wording) {
-        Some(wording) => wording(&first.parameters, verdict.unit, verdict.names()).phrase,
-        None if effect.is_some_and(|e| e.is_whole_arm) || first.family == Family::Q => title(&first.effect),
-        None => format!("{} on {}", title(&first.effect), verdict.names().joint_list(&first.joints)),
+    let short = |finding: &Finding| {
+        let effect = effects::find(&finding.effect);
+        let named = match effect.and_then(|e| e.wording) {
+            Some(wording) => wording(&finding.parameters, verdict.unit, verdict.names()).phrase,
+            None if effect.is_some_and(|e| e.is_whole_arm) || finding.family == Family::Q => {
+                title(&finding.effect)
+            }
+            None => format!("{} on {}", title(&finding.effect), verdict.names().joint_list(&finding.joints)),
+        };
+        match finding.alternatives.first() {
+            Some(other) => format!("{named} or {}", title(&other.effect)),
+            None => named,
+        }
     };
-    let named = match first.alternatives.first() {
-        Some(other) => format!("{named} or {}", title(&other.effect)),
-        None => named,
-    };
-    Some(match found.len() {
-        1 => named,
-        2 => format!("{named}, and one more effect"),
-        all => format!("{named}, and {} more effects", all - 1),
-    })
+    match found[..] {
+        [] => None,
+        [one] => Some(short(one)),
+        [one, other] => Some(format!("{}, and {}", short(one), short(other))),
+        [first, ..] => Some(format!("{}, and {} more effects", short(first), found.len() - 1)),
+    }
 }
 
 /// The indications of a verdict in a line each; those of joints or parts that read alike are told once.

@@ -60,6 +60,41 @@ fn friction_of_another_day_is_no_change() {
     }
 }
 
+/// A sensor that takes up 6 % of its neighbour's torque since calibration: known laws resemble parts of it.
+#[test]
+fn a_change_without_a_law_has_no_name() {
+    let folder = Folder::new();
+    for seed in 1..=4 {
+        simulated(&folder, &seed.to_string(), seed, [100.0, 0.3, 0.7], "");
+    }
+    for name in ["3.csv", "4.csv"] {
+        let table = folder.read(name);
+        let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let place = |joint| columns.iter().position(|c| *c == format!("actual_current_{joint}")).unwrap();
+        let [from, to] = [1, 2].map(place);
+        let mixed = |line: &str| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            let [own, other] = [to, from].map(|at| cells[at].parse::<f64>());
+            if let (Ok(own), Ok(other)) = (own, other) {
+                cells[to] = (own + 0.06 * other).to_string();
+            }
+            cells.join(",") + "\n"
+        };
+        folder.write(name, &table.lines().map(mixed).collect::<String>());
+    }
+    let init = "init 1.csv 2.csv --target 3.csv --validation 4.csv --robot ur10e --out experiment.toml";
+    folder.run(format!("{init} {CONSTANTS}")).succeeded();
+    let headline = folder.run("diagnose experiment.toml --out out").stdout().replace('\n', " ");
+    assert!(
+        headline.starts_with("something has changed in the target that no known effect explains;"),
+        "{headline}"
+    );
+    let verdict = folder.json("out/verdict.json");
+    let changes =
+        verdict["effects"].as_array().unwrap().iter().filter(|e| e["present_in"] == json!(["target"]));
+    assert_eq!(changes.count(), 0, "{verdict}");
+}
+
 /// The folder of a diagnosis of three recordings up to a frequency, through a share of the range, with an elastic gear; the gear that is
 /// claimed; and its stiffness with its deviation.
 fn diagnosed_gear(stiffness_nm_rad: f64, motion: [f64; 3]) -> (Folder, Value, [f64; 2]) {

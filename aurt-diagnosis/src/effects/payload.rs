@@ -86,8 +86,10 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Pa
         add("mass_kg", ParameterValue::new(mass, std));
     }
     if is_determined(mass, std) {
-        let com_m = moments.map(|(moment, _)| moment / mass);
-        add("com_m", ParameterValue::new(com_m, moments.map(|(_, std)| std / mass.abs())));
+        // Gravity tells the moments; the mass, which acceleration tells, is nearly independent of them.
+        let of = |(moment, own): (f64, f64)| [moment / mass, own.hypot(moment / mass * std) / mass.abs()];
+        let com_m = moments.map(of);
+        add("com_m", ParameterValue::new(com_m.map(|[value, _]| value), com_m.map(|[_, std]| std)));
     } else if moments.iter().any(|(_, std)| std.is_finite()) {
         add("first_moment_kg_m", ParameterValue::new(moments.map(|m| m.0), moments.map(|m| m.1)));
     }

@@ -1,6 +1,6 @@
 //! Fits over all blocks of time.
 
-use crate::evidence::gram::dot;
+use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::Cholesky;
 use crate::evidence::problem::Problem;
 use crate::hypotheses::group::Switch;
@@ -49,17 +49,38 @@ impl Problem {
 
     /// Coefficients of the least squares over all blocks, and their squared errors, `[kind][joint]`.
     pub fn least_squares(&self, switches: &[Switch], weights: &[f64]) -> (Vec<f64>, [Vec<f64>; 2]) {
-        let total = &self.moments.total;
+        self.least_squares_of(&self.moments.total, switches, weights)
+    }
+
+    /// The same over the recordings beside the targets alone: squared errors of each joint.
+    pub(crate) fn reference_errors(&self, switches: &[Switch], weights: &[f64]) -> Vec<f64> {
+        let [reference, targets] = self.total();
+        let none = targets.iter().map(|m| {
+            let mut none = m.clone();
+            none.scale(0.0);
+            none
+        });
+        let in_all: Vec<Switch> = switches.iter().filter(|s| !s.target_only).copied().collect();
+        let [errors, _] = self.least_squares_of(&[reference.clone(), none.collect()], &in_all, weights).1;
+        errors
+    }
+
+    fn least_squares_of(
+        &self,
+        moments: &[Vec<Moments>; 2],
+        switches: &[Switch],
+        weights: &[f64],
+    ) -> (Vec<f64>, [Vec<f64>; 2]) {
         let (ordered, free) = free_first(switches);
-        let fit = self.part_fit(total, &ordered, free, weights);
-        let mut values = self.extend(total, &fit, (&ordered, free), &[], weights).into_iter();
+        let fit = self.part_fit(moments, &ordered, free, weights);
+        let mut values = self.extend(moments, &fit, (&ordered, free), &[], weights).into_iter();
         let mut coefficients = vec![0.0; switches.len()];
         for signed in [false, true] {
             for (value, _) in coefficients.iter_mut().zip(switches).filter(|(_, s)| s.nonnegative == signed) {
                 *value = values.next().unwrap_or(0.0);
             }
         }
-        let squared_errors = self.squared_errors(total, switches, &coefficients);
+        let squared_errors = self.squared_errors(moments, switches, &coefficients);
         (coefficients, squared_errors)
     }
 

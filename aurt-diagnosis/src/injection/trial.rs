@@ -89,7 +89,7 @@ impl Prepared<'_> {
         let (partition, layout) = (&reference.partition, &reference.layout);
         let Anew { mut rows, mut confirm, problem, coefficients, mut floors, joints } = anew;
         let baseline = Baseline { coefficients, ..reference.baseline.clone() };
-        let mut floor = mean_floor(&rows, partition, &floors);
+        let mut floor = mean_floor(&rows, partition, &floors, |_| true);
         let start = Start { groups: &groups, chosen, floor: &floor, changed: &joints };
         let mut selected = self.select(question, problem, &mut rows, &mut candidates, &start);
         let mut contacts = reference.contacts.clone();
@@ -107,7 +107,7 @@ impl Prepared<'_> {
         let Selected { problem, selection, switches, coefficients, independent_share } = selected;
         let noise_notes =
             bound_floors(&rows, layout, &switches, &coefficients, &mut floors, question.names());
-        floor = mean_floor(&rows, partition, &floors);
+        floor = mean_floor(&rows, partition, &floors, |_| true);
         let chosen = selection.chosen.iter().map(|c| groups[c.group].candidate);
         reshape_judged(&mut confirm, &candidates, chosen, question, self.registry, layout, partition)?;
         let mut investigation = Investigation {

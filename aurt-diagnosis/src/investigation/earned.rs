@@ -6,6 +6,7 @@
 
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
+use crate::evidence::account::STRUCTURE;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::between::{DRY, Share};
 use crate::evidence::deviations::beyond_chance;
@@ -16,8 +17,9 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::common::is_in_all;
 use crate::investigation::fitted::Fitted;
+use crate::investigation::selecting::mean_floor;
 use crate::parameters::Parameters;
-use crate::recordings::rows::mean_rate_hz;
+use crate::recordings::rows::{Role, mean_rate_hz};
 use crate::request::Question;
 use crate::search::selection::Chosen;
 
@@ -36,6 +38,10 @@ pub struct Indicated {
 
 /// Coefficients of nothing are as far from zero with this probability; `p_null` is what the search adds to chance.
 const BY_CHANCE: f64 = 0.01;
+
+/// Of what is new in the targets, more than this share beside a change is an effect of its own: that by which effects have to lower the
+/// squared error.
+const LEFT_BESIDE: f64 = 0.05;
 
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
 const CONCERNED: f64 = 0.08;
@@ -112,6 +118,8 @@ struct Trial<'a> {
     reach_m: f64,
     /// The log-MSE that it must bring on one of its joints, joint by joint.
     least: Vec<f64>,
+    /// Mean squares of an unchanged arm in the targets' motion, joint by joint.
+    unchanged: Vec<f64>,
     whole: Fitted,
     /// Level of the tests of changes.
     level: f64,
@@ -147,6 +155,8 @@ impl<'a> Trial<'a> {
                 groups.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect();
             weighted_fit(&investigation.problem, &of(&rest), floor).0.squared_errors
         };
+        let usual = investigation.usual_errors(&whole.switches, fit).into_iter();
+        let targets = mean_floor(rows, partition, &investigation.floors, |role| role == Role::Target);
         let errors_without = (0..groups.len()).map(without).collect();
         let own = whole.own(&investigation.baseline.coefficients, &investigation.base_switches);
         let parameters = groups
@@ -161,6 +171,7 @@ impl<'a> Trial<'a> {
             errors: fit.squared_errors.clone(),
             errors_without,
             least: shares.iter().map(|s| question.selection.least_log_error(s * rate_hz)).collect(),
+            unchanged: usual.zip(targets).map(|(usual, noise)| usual.max(noise)).collect(),
             investigation,
             groups,
             parameters,
@@ -210,6 +221,7 @@ impl<'a> Trial<'a> {
         let mut fails: Vec<String> =
             group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         fails.extend(self.too_near_zero(i));
+        fails.extend(self.part_of_more(i));
         if fails.is_empty() {
             fails.extend(is_in_all(self.investigation, group, self.level));
         }
@@ -224,6 +236,32 @@ impl<'a> Trial<'a> {
         fails
     }
 
+    /// Says that the targets keep so much that is new on the joints of a change (on all, of one of the whole arm) that it may be the part
+    /// of something else which its law can imitate: more than the share of what it explains that counts as an effect. What is new on a joint
+    /// is what exceeds the calibration recordings' error per row, or noise, where that is [`STRUCTURE`] times as loud.
+    fn part_of_more(&self, i: usize) -> Option<String> {
+        let problem = &self.investigation.problem;
+        if !self.groups[i].target_only() || !problem.has_reference() {
+            return None;
+        }
+        let [mut explained, mut new] = [0.0; 2];
+        for j in 0..self.least.len() {
+            let usual = self.unchanged[j];
+            if !self.groups[i].effect.is_whole_arm && !self.joints[i].contains(&j) || !usual.is_normal() {
+                continue;
+            }
+            let target = problem.total()[1][j].rows;
+            let left = self.errors[1][j] / usual;
+            explained += self.errors_without[i][1][j] / usual - left;
+            new += if left > STRUCTURE * STRUCTURE * target { left - target } else { 0.0 };
+        }
+        let explained = explained.max(0.0);
+        (new > LEFT_BESIDE * (explained + new)).then(|| {
+            let [share, least] = [explained / (explained + new), 1.0 - LEFT_BESIDE].map(|share| 100.0 * share);
+            format!("it explains {share:.0} % of what is new in the targets beside the other effects, not {least:.0} %")
+        })
+    }
+
     /// True if it lowers the squared error of one of its joints by what it must, in some kinds of recordings.
     fn lowers_error(&self, i: usize, kinds: &[usize]) -> bool {
         let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
@@ -231,6 +269,16 @@ impl<'a> Trial<'a> {
             let (with, without) = (sum(&self.errors, *j), sum(&self.errors_without[i], *j));
             with < (-self.least[*j]).exp() * without
         })
+    }
+
+    /// True if the recordings beside the targets, by themselves, have one of its joints explained by as much: what the targets keep bends a
+    /// fit to both.
+    fn lowers_reference(&self, i: usize) -> bool {
+        let (problem, Fitted { switches, weights, .. }) = (&self.investigation.problem, &self.whole);
+        let own = &self.groups[i].switches;
+        let rest: Vec<Switch> = switches.iter().filter(|s| !own.contains(s)).copied().collect();
+        let [with, without] = [switches, &rest].map(|s| problem.reference_errors(s, weights));
+        self.joints[i].iter().any(|j| with[*j] < (-self.least[*j]).exp() * without[*j])
     }
 
     /// The coefficients that one of it is named for: the direction g that was fitted (or the effect's contrast) among all, the number of
@@ -280,7 +328,7 @@ impl<'a> Trial<'a> {
             return self.usual(i);
         }
         let has_both = problem.has_reference() && problem.has_target() && !undetermined;
-        let shows = !self.groups[i].is_named() || self.lowers_error(i, &[0]);
+        let shows = !self.groups[i].is_named() || self.lowers_reference(i);
         (has_both && !shows).then(|| "the calibration recordings do not show it".to_owned())
     }
 

@@ -15,6 +15,7 @@ mod reshaped;
 mod selecting;
 mod settled;
 mod shifted;
+mod unchanged;
 
 pub use earned::Indicated;
 pub(crate) use earned::{concerned, earn};
@@ -322,7 +323,7 @@ fn examine(
     let shaking = elastic.map_or_else(Vec::new, |e| e.gears.found.clone());
     let gears_visible = elastic.map_or_else(Vec::new, |e| e.gears.visible.clone());
     let before_gears = elastic.map(|e| e.before.clone());
-    let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = judged;
+    let Judged { baseline, own_rows, mut floors, mut noise, notes: mut noise_notes, .. } = judged;
     if let Some(k) = baseline.coefficients.iter().position(|c| !c.is_finite()) {
         let figure = format!("coefficient {k} of the model in question");
         return Err(DiagnosisError::NotFinite { figure });
@@ -385,7 +386,7 @@ fn examine(
     let (mut rows, mut confirm) = FitRows::divide(rows, &partition);
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
-    let mut floor = mean_floor(&rows, &partition, &floors);
+    let mut floor = mean_floor(&rows, &partition, &floors, |_| true);
     let mut parts = Parts {
         question,
         registry,
@@ -416,6 +417,8 @@ fn examine(
     let chosen = selected.selection.chosen.iter().map(|c| selected.groups[c.group].candidate);
     reshape_judged(&mut confirm, parts.candidates, chosen, question, registry, &layout, &partition)?;
     parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)?;
+    let roles: Vec<Role> = rows.iter().map(|r| r.role).collect();
+    parts.load_noise(&baseline, &selected, &roles, &mut noise, &mut floors)?;
     let Selected {
         problem,
         groups,
@@ -425,7 +428,7 @@ fn examine(
         mean_independent_share,
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors, question.names()));
-    floor = mean_floor(&rows, &partition, &floors);
+    floor = mean_floor(&rows, &partition, &floors, |_| true);
     let mut investigation = Investigation {
         model,
         baseline,

@@ -13,7 +13,7 @@ use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::fitted::Fitted;
 use crate::recordings::partition::Partition;
-use crate::recordings::rows::{Layout, RecordingRows};
+use crate::recordings::rows::{Layout, RecordingRows, Role};
 use crate::request::Question;
 use crate::search;
 use crate::search::ground::{Ground, Recorded};
@@ -94,12 +94,18 @@ impl Parts<'_> {
     }
 }
 
-/// Mean noise floor over the fitted rows.
-pub(crate) fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
+/// Mean noise floor over the fitted rows of recordings whose role counts.
+pub(crate) fn mean_floor(
+    rows: &[RecordingRows],
+    partition: &Partition,
+    floors: &[Vec<f64>],
+    counts: impl Fn(Role) -> bool,
+) -> Vec<f64> {
     let joints = rows.first().map_or(0, |r| r.joints.len());
     (0..joints)
         .map(|j| {
-            let (sum, count) = partition.fitted().fold((0.0, 0.0), |(sum, count), (r, start, end)| {
+            let fitted = partition.fitted().filter(|(r, ..)| counts(rows[*r].role));
+            let (sum, count) = fitted.fold((0.0, 0.0), |(sum, count), (r, start, end)| {
                 let counted = rows[r].joints[j].counted(start, end);
                 (sum + floors[r][j] * counted, count + counted)
             });

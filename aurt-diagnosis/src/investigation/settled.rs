@@ -15,6 +15,7 @@ use crate::hypotheses::candidates::{Candidate, build_term, with_terms};
 use crate::hypotheses::group::Group;
 use crate::investigation::fitted::Fitted;
 use crate::investigation::selecting::{Parts, Selected};
+use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::rows::{Fit, Instrument, RecordingRows, Role};
 use crate::vocabulary::{AROUND, Addition};
@@ -41,6 +42,18 @@ impl Final {
     /// The joint whose gain error has a column.
     fn gain_of(&self, column: usize) -> Option<usize> {
         self.gains.iter().find(|(own, _)| *own == column).map(|(_, joint)| *joint)
+    }
+
+    /// Its coefficients in recordings of a role.
+    fn coefficients(&self, own: &[f64], fitted: &Fitted, role: Role) -> Vec<f64> {
+        let mut all = own.to_vec();
+        all.resize(self.model.parameters().len(), 0.0);
+        for [here, there] in self.columns.iter().filter(|[_, there]| *there >= own.len()) {
+            let value =
+                |target_only| fitted.place(*there, target_only).map_or(0.0, |k| fitted.fit.coefficients[k]);
+            all[*here] = value(false) + if role == Role::Calibration { 0.0 } else { value(true) };
+        }
+        all
     }
 }
 
@@ -106,6 +119,53 @@ impl Parts<'_> {
         Ok(true)
     }
 
+    /// Puts the noise of recordings, and the floors that it makes, under the model with the loads that were found: noise of the accelerations
+    /// is multiplied by what the links carry.
+    pub(super) fn load_noise(
+        &self,
+        baseline: &Baseline,
+        selected: &Selected,
+        roles: &[Role],
+        noise: &mut [RecordingNoise],
+        floors: &mut [Vec<f64>],
+    ) -> Result<(), DiagnosisError> {
+        let chosen: Vec<usize> =
+            selected.selection.chosen.iter().map(|c| selected.groups[c.group].candidate).collect();
+        let mut loads = Vec::new();
+        for law in chosen {
+            let Candidate { effect, proposal, registered: None, .. } = &self.candidates[law] else {
+                continue;
+            };
+            if let Addition::Term(configuration) = &proposal.addition
+                && build_term(self.registry, *effect, configuration)?.is_load()
+            {
+                loads.push(law);
+            }
+        }
+        if loads.is_empty() || baseline.frozen {
+            return Ok(());
+        }
+        let law = self.final_model(&loads)?;
+        let own = selected.fitted.own(self.own, self.base);
+        for (r, recording) in self.question.recordings.iter().enumerate() {
+            let coefficients = law.coefficients(&own, &selected.fitted, roles[r]);
+            let load = match baseline.load {
+                LoadTorque::Literal => LoadTorque::Literal,
+                LoadTorque::Fitted(_) => LoadTorque::Fitted(coefficients.clone()),
+            };
+            let fit = Fit { model: &law.model, load: &load, coefficients: &coefficients };
+            let data = &recording.data.data;
+            let loaded = noise[r].under(data, &fit)?;
+            for (j, floor) in floors[r].iter_mut().enumerate() {
+                let [before, after] = [&noise[r], &loaded].map(|noise| noise.all_left(j, data));
+                let (before, after) = (before?, after?);
+                *floor *= if before > 0.0 { after / before } else { 1.0 };
+            }
+            noise[r] = loaded;
+        }
+        Ok(())
+    }
+
     /// By how many of its deviations the coefficient of a law has moved, at most.
     fn moved(&self, fitted: &Fitted, from: &[f64]) -> f64 {
         let law = |k: &usize| fitted.switches[*k].column >= self.own.len();
@@ -165,18 +225,7 @@ impl Parts<'_> {
     ) -> Result<Vec<RecordingRows>, DiagnosisError> {
         let load = |role: Role| match baseline.load {
             LoadTorque::Literal => LoadTorque::Literal,
-            LoadTorque::Fitted(_) => {
-                let mut weights = own.to_vec();
-                weights.resize(law.model.parameters().len(), 0.0);
-                for [here, there] in law.columns.iter().filter(|[_, there]| *there >= own.len()) {
-                    let fitted = &selected.fitted;
-                    let value = |target_only| {
-                        fitted.place(*there, target_only).map_or(0.0, |k| fitted.fit.coefficients[k])
-                    };
-                    weights[*here] = value(false) + if role == Role::Calibration { 0.0 } else { value(true) };
-                }
-                LoadTorque::Fitted(weights)
-            }
+            LoadTorque::Fitted(_) => LoadTorque::Fitted(law.coefficients(own, &selected.fitted, role)),
         };
         let loads = [Role::Calibration, Role::Target].map(load);
         self.question

@@ -112,6 +112,24 @@ impl RecordingNoise {
         Ok(Self { positions, measurement, segments })
     }
 
+    /// The same noise under another model, which multiplies that of the positions with other torques.
+    pub(crate) fn under(&self, data: &Preprocessed, fit: &Fit<'_>) -> Result<Self, DiagnosisError> {
+        let segment = |(segment, noise): (&Segment, &SegmentNoise)| {
+            Ok(SegmentNoise { sensitivity: Sensitivity::evaluate(segment, fit)?, ..noise.clone() })
+        };
+        let segments = data.segments.iter().zip(&self.segments).map(segment);
+        Ok(Self { segments: segments.collect::<Result<_, DiagnosisError>>()?, ..self.clone() })
+    }
+
+    /// What noise leaves of a joint in all rows of a recording, summed.
+    pub(crate) fn all_left(&self, joint: usize, data: &Preprocessed) -> Result<f64, DiagnosisError> {
+        let segments = data.segments.iter().zip(&self.segments);
+        let of_segment = |(segment, noise): (&Segment, &SegmentNoise)| {
+            Ok(noise.power_left(joint, segment)? * segment.rows() as f64)
+        };
+        segments.map(of_segment).sum()
+    }
+
     /// Replaces the measurement's noise of a joint.
     pub(super) fn set_measurement(&mut self, joint: usize, noise: WhiteAndMarkov) {
         self.measurement[joint] = noise;

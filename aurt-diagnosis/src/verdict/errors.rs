@@ -32,7 +32,8 @@ impl Errors {
         let whole = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
         let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
         let friction = fitted.between.unwrap_or(Share::USUAL).changes(&investigation.model, &own);
-        let of = Of { investigation, apart, friction, switches };
+        let beside_targets = investigation.left_beside_targets(&switches, &whole);
+        let of = Of { investigation, apart, friction, switches, beside_targets };
         let noise: Vec<f64> =
             investigation.floor.iter().zip(louder).map(|(f, louder)| louder.powi(2) * f).collect();
         let has_reference = investigation.problem.has_reference();
@@ -42,8 +43,12 @@ impl Errors {
                 structure: !of.structure(&whole, usize::from(!has_reference), &noise).is_empty(),
             };
         }
-        let usual: Vec<f64> =
-            of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.powi(2).max(*n)).collect();
+        let usual: Vec<f64> = investigation
+            .usual_errors(&of.switches, &whole)
+            .iter()
+            .zip(&noise)
+            .map(|(u, n)| u.max(*n))
+            .collect();
         let structure = !of.structure(&whole, 0, &noise).is_empty();
         Self { change: Some(of.structure(&whole, 1, &usual)), structure }
     }
@@ -61,6 +66,8 @@ struct Of<'a> {
     friction: Vec<Vec<(Switch, f64)>>,
     /// Coefficients of the whole model.
     switches: Vec<Switch>,
+    /// Mean squares that it leaves beside the targets.
+    beside_targets: Vec<f64>,
 }
 
 impl Of<'_> {
@@ -68,7 +75,7 @@ impl Of<'_> {
     fn structure(&self, fit: &TotalFit, kind: usize, references: &[f64]) -> Vec<usize> {
         let asked = |j: &usize| !self.apart.contains(j) && self.rows(kind, *j) > 0.0;
         let left = |j: usize| match kind {
-            0 => self.left_beside_targets(fit, j),
+            0 => self.beside_targets[j].sqrt(),
             _ => self.beside_usual_friction(fit, j, references[j]),
         };
         (0..references.len())
@@ -94,54 +101,7 @@ impl Of<'_> {
         ((fit.squared_errors[1][joint] - usual).max(0.0) / self.rows(1, joint).max(1.0)).sqrt()
     }
 
-    /// What is left of the recordings beside the targets: what the targets keep bends a fit to both.
-    fn left_beside_targets(&self, fit: &TotalFit, joint: usize) -> f64 {
-        self.fitted_rms(fit, 0, joint).min(self.calibrated_rms(joint))
-    }
-
     fn rows(&self, kind: usize, joint: usize) -> f64 {
         self.investigation.problem.total()[kind][joint].rows
-    }
-
-    fn fitted_rms(&self, fit: &TotalFit, kind: usize, joint: usize) -> f64 {
-        (fit.squared_errors[kind][joint] / self.rows(kind, joint).max(1.0)).sqrt()
-    }
-
-    /// What the whole model leaves of an unchanged arm in the targets' motion: what it leaves of the recordings beside
-    /// them, as much larger as the torque is, and no less than noise. A wrong structure errs in proportion to the torque.
-    fn usual(&self, whole: &TotalFit) -> Vec<f64> {
-        let total = self.investigation.problem.total();
-        (0..self.investigation.problem.joints())
-            .map(|j| {
-                // What never moved beside the targets has nothing that it could have changed from.
-                if self.rows(0, j) <= 0.0 {
-                    return f64::INFINITY;
-                }
-                let power = |kind: usize| total[kind][j].square / total[kind][j].rows.max(1.0);
-                // What a given model leaves is no measure of the torque.
-                let louder = if self.investigation.baseline.frozen || power(0) <= 0.0 {
-                    1.0
-                } else {
-                    (power(1) / power(0)).sqrt().max(1.0)
-                };
-                (louder * self.left_beside_targets(whole, j)).max(self.investigation.floor[j].sqrt())
-            })
-            .collect()
-    }
-
-    /// What the model calibrated without the targets leaves of the recordings beside them, with the degrees of freedom that
-    /// the fit takes given back: a fit to both spreads a change over both. Infinite for a given model, and where there are
-    /// too few independent rows to tell.
-    fn calibrated_rms(&self, joint: usize) -> f64 {
-        let Investigation { problem, base_switches, baseline, mean_independent_share, .. } =
-            self.investigation;
-        let independent = mean_independent_share * self.rows(0, joint);
-        let freedoms = base_switches.len() as f64 / problem.joints() as f64;
-        if baseline.frozen || self.investigation.undetermined || independent <= freedoms {
-            return f64::INFINITY;
-        }
-        let errors = problem.squared_errors(problem.total(), base_switches, &baseline.coefficients);
-        let given_back = independent / (independent - freedoms);
-        (errors[0][joint] / self.rows(0, joint).max(1.0) * given_back).sqrt()
     }
 }

@@ -16,14 +16,15 @@ const RIGID_HZ: f64 = 10.0;
 const MEMORY_SHARE: f64 = 1.0 / 50.0;
 /// That memory in periods of f_dyn (docs/mathematics.md, ends and gaps).
 const MEMORY_PERIODS: f64 = 1.7;
-/// Largest share of noise in the power of the accelerations: inertias become smaller by that share.
-const NOISE_SHARE: f64 = 1e-3;
+/// Largest share of noise in the power of the accelerations. Its torque is then 1 % of that which moves the links, as much as what a good
+/// model lacks; inertias become smaller by the share itself.
+const NOISE_SHARE: f64 = 1e-4;
 
 /// The f_dyn that suits recordings whose `position_noise` was estimated. `None` if nothing moves.
 ///
 /// Let f be the frequency below which 99.9 % of the power of the velocities of all joints and recordings lies. It is the lowest round
 /// one of at least 5 f and 85 / T, with T the length of the shortest recording, at most 10 Hz; lower where noise of the positions
-/// below it has more than 0.1 % of the power of the accelerations, but not below f. The position filter, at 5 f_dyn, lies below half
+/// below it has more than 0.01 % of the power of the accelerations, but not below f. The position filter, at 5 f_dyn, lies below half
 /// of each sampling rate.
 ///
 /// Power is summed over the joints, so that a joint that hardly moves, and trembles instead, does not decide; a recording has the
@@ -32,8 +33,8 @@ pub fn suitable_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocess
     Band::of(recordings).suitable_hz()
 }
 
-/// `asked_hz`, or the highest usual f_dyn below it, at which noise of the positions has at most 0.1 % of the power of the accelerations:
-/// beyond, inertias are biased, and what is biased looks like something else. Never less than what suits ([`suitable_f_dyn_hz`]).
+/// `asked_hz`, or the highest usual f_dyn below it, at which noise of the positions has at most 0.01 % of the power of the
+/// accelerations: beyond, what is missing drowns in it. Never less than what suits ([`suitable_f_dyn_hz`]).
 pub fn quiet_f_dyn_hz<'a>(recordings: impl IntoIterator<Item = &'a Preprocessed>, asked_hz: f64) -> f64 {
     Band::of(recordings).quiet_hz(asked_hz)
 }
@@ -210,9 +211,9 @@ mod tests {
             Band { velocities, noises, slowest_hz: 500.0, shortest_s: 100.0 }.quiet_hz(asked_hz)
         };
         assert_eq!(quiet_hz(0.0, 30.0), 30.0);
-        // σ²/250 (2π)⁴ f⁵/5 is a thousandth of (2π)² at 12.9 Hz.
-        assert_eq!(quiet_hz(3e-4, 30.0), 10.0);
-        assert_eq!(quiet_hz(3e-4, 11.0), 11.0);
+        // σ²/250 (2π)⁴ f⁵/5 is a ten-thousandth of (2π)² at 12.8 Hz.
+        assert_eq!(quiet_hz(9.5e-5, 30.0), 10.0);
+        assert_eq!(quiet_hz(9.5e-5, 11.0), 11.0);
         // What suits the motion is the least, whatever the noise.
         assert_eq!([quiet_hz(1.0, 30.0), quiet_hz(1.0, 0.5)], [1.0, 0.5]);
     }

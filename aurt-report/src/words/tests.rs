@@ -165,10 +165,12 @@ fn a_headline_names_changes_first_then_what_is_missing_each_by_its_evidence() {
     assert_eq!(
         headline(&found, Asked::Change),
         format!(
-            "changed since calibration: {} on joint 0, and one more effect; in all recordings the model lacks {} on joint 1, and one \
-             more effect, and something that no claim explains",
+            "changed since calibration: {} on joint 0, and {} on joint 2; in all recordings the model lacks {} on joint 1, and {} on \
+             joint 0, and something that no claim explains",
             title("torque_constant"),
-            title("stribeck")
+            title("coulomb"),
+            title("stribeck"),
+            title("viscous")
         )
     );
 }
