@@ -104,7 +104,7 @@ pub struct CalibrationOptions {
     pub deviations: Deviations,
 }
 
-/// What a sliding joint's speed is divided by to be compared with one that turns, m.
+/// Lever of a sliding joint's speed, m: divided by it, it is compared with that of a joint that turns.
 pub const SLIDE_LEVER_M: f64 = 0.1;
 
 const fn yes() -> bool {
@@ -113,7 +113,7 @@ const fn yes() -> bool {
 
 impl CalibrationOptions {
     /// At and below this |q̇_j| a joint rests, in rad/s, and in m/s where it slides: there, what 0.1 m away from an axis moves at
-    /// [`Self::rest_velocity_rad_s`], the length of a link between the small arms and the large.
+    /// [`Self::rest_velocity_rad_s`], the length of a short link.
     pub fn rest_velocity(&self, bodies: &dyn RigidBodyRegressor, joint: usize) -> f64 {
         if bodies.slides(joint) { SLIDE_LEVER_M * self.rest_velocity_rad_s } else { self.rest_velocity_rad_s }
     }

@@ -86,7 +86,7 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Pa
         add("mass_kg", ParameterValue::new(mass, std));
     }
     if is_determined(mass, std) {
-        // Gravity tells the moments; the mass, which acceleration tells, is nearly independent of them.
+        // As if moment and mass were independent: their covariance is not told.
         let of = |(moment, own): (f64, f64)| [moment / mass, own.hypot(moment / mass * std) / mass.abs()];
         let com_m = moments.map(of);
         add("com_m", ParameterValue::new(com_m.map(|[value, _]| value), com_m.map(|[_, std]| std)));

@@ -6,7 +6,7 @@
 
 use crate::contact::force_columns;
 use crate::error::DiagnosisError;
-use crate::evidence::account::STRUCTURE;
+use crate::evidence::account::has_structure;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::between::{DRY, Share};
 use crate::evidence::deviations::beyond_chance;
@@ -17,9 +17,8 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::common::is_in_all;
 use crate::investigation::fitted::Fitted;
-use crate::investigation::selecting::mean_floor;
 use crate::parameters::Parameters;
-use crate::recordings::rows::{Role, mean_rate_hz};
+use crate::recordings::rows::mean_rate_hz;
 use crate::request::Question;
 use crate::search::selection::Chosen;
 
@@ -38,10 +37,6 @@ pub struct Indicated {
 
 /// Coefficients of nothing are as far from zero with this probability; `p_null` is what the search adds to chance.
 const BY_CHANCE: f64 = 0.01;
-
-/// Of what is new in the targets, more than this share beside a change is an effect of its own: that by which effects have to lower the
-/// squared error.
-const LEFT_BESIDE: f64 = 0.05;
 
 /// A whole-arm effect concerns joints that lose at least this share of the largest loss.
 const CONCERNED: f64 = 0.08;
@@ -120,6 +115,10 @@ struct Trial<'a> {
     least: Vec<f64>,
     /// Mean squares of an unchanged arm in the targets' motion, joint by joint.
     unchanged: Vec<f64>,
+    /// Squares beyond these that are left of the targets, in their units, of joints that keep structure there.
+    new: Vec<f64>,
+    /// Share by which an effect lowers the squared error at least.
+    reduction: f64,
     whole: Fitted,
     /// Level of the tests of changes.
     level: f64,
@@ -155,8 +154,13 @@ impl<'a> Trial<'a> {
                 groups.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect();
             weighted_fit(&investigation.problem, &of(&rest), floor).0.squared_errors
         };
-        let usual = investigation.usual_errors(&whole.switches, fit).into_iter();
-        let targets = mean_floor(rows, partition, &investigation.floors, |role| role == Role::Target);
+        let unchanged = investigation.usual_errors(&whole.switches, fit);
+        let left = investigation.left_in_targets(&whole, &whole.switches, fit, &unchanged);
+        let new = left.iter().zip(&unchanged).enumerate().map(|(j, (left, usual))| {
+            let rows = investigation.problem.total()[1][j].rows;
+            if has_structure(*left, *usual) { rows * (left / usual - 1.0) } else { 0.0 }
+        });
+        let new = new.collect();
         let errors_without = (0..groups.len()).map(without).collect();
         let own = whole.own(&investigation.baseline.coefficients, &investigation.base_switches);
         let parameters = groups
@@ -171,7 +175,9 @@ impl<'a> Trial<'a> {
             errors: fit.squared_errors.clone(),
             errors_without,
             least: shares.iter().map(|s| question.selection.least_log_error(s * rate_hz)).collect(),
-            unchanged: usual.zip(targets).map(|(usual, noise)| usual.max(noise)).collect(),
+            new,
+            unchanged,
+            reduction: question.selection.reduction,
             investigation,
             groups,
             parameters,
@@ -237,27 +243,20 @@ impl<'a> Trial<'a> {
     }
 
     /// Says that the targets keep so much that is new on the joints of a change (on all, of one of the whole arm) that it may be the part
-    /// of something else which its law can imitate: more than the share of what it explains that counts as an effect. What is new on a joint
-    /// is what exceeds the calibration recordings' error per row, or noise, where that is [`STRUCTURE`] times as loud.
+    /// of something else which its law can imitate: as much beside what it explains as makes an effect.
     fn part_of_more(&self, i: usize) -> Option<String> {
-        let problem = &self.investigation.problem;
-        if !self.groups[i].target_only() || !problem.has_reference() {
+        if !self.groups[i].target_only() || !self.investigation.problem.has_reference() {
             return None;
         }
+        let counts = |j: &usize| self.groups[i].effect.is_whole_arm || self.joints[i].contains(j);
         let [mut explained, mut new] = [0.0; 2];
-        for j in 0..self.least.len() {
-            let usual = self.unchanged[j];
-            if !self.groups[i].effect.is_whole_arm && !self.joints[i].contains(&j) || !usual.is_normal() {
-                continue;
-            }
-            let target = problem.total()[1][j].rows;
-            let left = self.errors[1][j] / usual;
-            explained += self.errors_without[i][1][j] / usual - left;
-            new += if left > STRUCTURE * STRUCTURE * target { left - target } else { 0.0 };
+        for j in (0..self.new.len()).filter(counts).filter(|j| self.unchanged[*j].is_normal()) {
+            explained += (self.errors_without[i][1][j] - self.errors[1][j]) / self.unchanged[j];
+            new += self.new[j];
         }
-        let explained = explained.max(0.0);
-        (new > LEFT_BESIDE * (explained + new)).then(|| {
-            let [share, least] = [explained / (explained + new), 1.0 - LEFT_BESIDE].map(|share| 100.0 * share);
+        let all = f64::max(explained, 0.0) + new;
+        (new > self.reduction * all).then(|| {
+            let [share, least] = [1.0 - new / all, 1.0 - self.reduction].map(|share| (100.0 * share).floor());
             format!("it explains {share:.0} % of what is new in the targets beside the other effects, not {least:.0} %")
         })
     }

@@ -27,6 +27,7 @@ pub(crate) use repairs::JudgedFaults;
 use reselected::reselect;
 pub(crate) use reshaped::reshape_judged;
 pub(crate) use selecting::mean_floor;
+use settled::load_noise;
 
 use aurt_plugins::Registry;
 use aurt_recording::BranchMotion;
@@ -193,6 +194,7 @@ pub fn investigate(
     let Examination { mut investigation, recordings } = examination;
     let question = &Question { recordings: &recordings, ..*question };
     reselect(question, registry, &mut investigation, progress)?;
+    load_noise(question, registry, &mut investigation)?;
     Ok(investigation)
 }
 
@@ -323,7 +325,7 @@ fn examine(
     let shaking = elastic.map_or_else(Vec::new, |e| e.gears.found.clone());
     let gears_visible = elastic.map_or_else(Vec::new, |e| e.gears.visible.clone());
     let before_gears = elastic.map(|e| e.before.clone());
-    let Judged { baseline, own_rows, mut floors, mut noise, notes: mut noise_notes, .. } = judged;
+    let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = judged;
     if let Some(k) = baseline.coefficients.iter().position(|c| !c.is_finite()) {
         let figure = format!("coefficient {k} of the model in question");
         return Err(DiagnosisError::NotFinite { figure });
@@ -417,8 +419,6 @@ fn examine(
     let chosen = selected.selection.chosen.iter().map(|c| selected.groups[c.group].candidate);
     reshape_judged(&mut confirm, parts.candidates, chosen, question, registry, &layout, &partition)?;
     parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)?;
-    let roles: Vec<Role> = rows.iter().map(|r| r.role).collect();
-    parts.load_noise(&baseline, &selected, &roles, &mut noise, &mut floors)?;
     let Selected {
         problem,
         groups,

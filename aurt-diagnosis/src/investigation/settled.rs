@@ -5,19 +5,23 @@
 //! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
 //! both are right; a few rounds of evaluation and least squares settle them.
 
+use aurt_plugins::Registry;
 use aurt_traits::{ArmTerm, ColumnGroup, LoadTorque, RobotModel};
 use rayon::prelude::*;
 use serde_json::json;
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, reads_load};
+use crate::evidence::judged::bound_floors;
 use crate::hypotheses::candidates::{Candidate, build_term, with_terms};
 use crate::hypotheses::group::Group;
+use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
-use crate::investigation::selecting::{Parts, Selected};
+use crate::investigation::selecting::{Parts, Selected, mean_floor};
 use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::rows::{Fit, Instrument, RecordingRows, Role};
+use crate::request::Question;
 use crate::vocabulary::{AROUND, Addition};
 
 /// Rounds at most; each leaves a fraction of the error that is the law's share of the load.
@@ -119,36 +123,35 @@ impl Parts<'_> {
         Ok(true)
     }
 
-    /// Puts the noise of recordings, and the floors that it makes, under the model with the loads that were found: noise of the accelerations
-    /// is multiplied by what the links carry.
-    pub(super) fn load_noise(
+    /// Puts the noise of recordings, and the floors that it makes, under the model with the loads among some candidates: what the links carry
+    /// multiplies the noise of the accelerations.
+    fn load_noise(
         &self,
-        baseline: &Baseline,
-        selected: &Selected,
+        (baseline, fitted): (&Baseline, &Fitted),
+        chosen: &[usize],
         roles: &[Role],
         noise: &mut [RecordingNoise],
         floors: &mut [Vec<f64>],
     ) -> Result<(), DiagnosisError> {
-        let chosen: Vec<usize> =
-            selected.selection.chosen.iter().map(|c| selected.groups[c.group].candidate).collect();
         let mut loads = Vec::new();
         for law in chosen {
-            let Candidate { effect, proposal, registered: None, .. } = &self.candidates[law] else {
+            let Candidate { effect, proposal, registered: None, .. } = &self.candidates[*law] else {
                 continue;
             };
             if let Addition::Term(configuration) = &proposal.addition
                 && build_term(self.registry, *effect, configuration)?.is_load()
+                && !loads.contains(law)
             {
-                loads.push(law);
+                loads.push(*law);
             }
         }
         if loads.is_empty() || baseline.frozen {
             return Ok(());
         }
         let law = self.final_model(&loads)?;
-        let own = selected.fitted.own(self.own, self.base);
+        let own = fitted.own(self.own, self.base);
         for (r, recording) in self.question.recordings.iter().enumerate() {
-            let coefficients = law.coefficients(&own, &selected.fitted, roles[r]);
+            let coefficients = law.coefficients(&own, fitted, roles[r]);
             let load = match baseline.load {
                 LoadTorque::Literal => LoadTorque::Literal,
                 LoadTorque::Fitted(_) => LoadTorque::Fitted(coefficients.clone()),
@@ -287,6 +290,45 @@ impl Parts<'_> {
         }
         renewed
     }
+}
+
+/// Puts noise and floors of an investigation under the loads that are in its model at last.
+pub(super) fn load_noise(
+    question: &Question<'_>,
+    registry: &Registry,
+    investigation: &mut Investigation,
+) -> Result<(), DiagnosisError> {
+    let chosen: Vec<&Group> =
+        investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]).collect();
+    let fitted = Fitted::new(investigation, investigation.switches_of(chosen.iter().copied()));
+    let chosen: Vec<usize> = chosen.iter().map(|group| group.candidate).collect();
+    let roles: Vec<Role> = investigation.rows.iter().map(|r| r.role).collect();
+    let Investigation {
+        candidates, partition, layout, base_switches, baseline, floor, noise, floors, ..
+    } = investigation;
+    let parts = Parts {
+        question,
+        registry,
+        candidates,
+        partition,
+        layout,
+        base: base_switches,
+        own: &baseline.coefficients,
+        floor,
+    };
+    parts.load_noise((baseline, &fitted), &chosen, &roles, noise, floors)?;
+    let Investigation { rows, floors, noise_notes, .. } = investigation;
+    let left = &fitted.fit.coefficients;
+    noise_notes.extend(bound_floors(
+        rows,
+        &investigation.layout,
+        &fitted.switches,
+        left,
+        floors,
+        question.names(),
+    ));
+    investigation.floor = mean_floor(rows, &investigation.partition, floors, |_| true);
+    Ok(())
 }
 
 /// A column of a joint's rows, over all rows of a recording.

@@ -1,8 +1,13 @@
-//! What the model of an unchanged arm leaves.
+//! Errors of an unchanged arm, and those of the targets beside them.
 
+use crate::evidence::between::{Share, taken};
+use crate::evidence::deviations::memory;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 use crate::investigation::Investigation;
+use crate::investigation::fitted::Fitted;
+use crate::investigation::selecting::mean_floor;
+use crate::recordings::rows::Role;
 
 impl Investigation {
     /// Mean squares that a model leaves of each joint beside the targets: what the targets keep bends a fit to both, so that it is no more
@@ -31,6 +36,7 @@ impl Investigation {
     pub(crate) fn usual_errors(&self, switches: &[Switch], fit: &TotalFit) -> Vec<f64> {
         let total = self.problem.total();
         let left = self.left_beside_targets(switches, fit);
+        let noise = mean_floor(&self.rows, &self.partition, &self.floors, |role| role == Role::Target);
         let of_joint = |(j, left): (usize, f64)| {
             // What never moved beside the targets has nothing that it could have changed from.
             if total[0][j].rows <= 0.0 {
@@ -40,8 +46,38 @@ impl Investigation {
             // What a given model leaves is no measure of the torque.
             let is_known = !self.baseline.frozen && power(0) > 0.0;
             let louder = if is_known { (power(1) / power(0)).max(1.0) } else { 1.0 };
-            (louder * left).max(self.floor[j])
+            (louder * left).max(noise[j])
         };
         left.into_iter().enumerate().map(of_joint).collect()
+    }
+
+    /// Mean squares that a model leaves of the targets beside friction that differs as that of an unchanged robot does; `references` are the
+    /// variances of noise.
+    pub(crate) fn left_in_targets(
+        &self,
+        fitted: &Fitted,
+        switches: &[Switch],
+        fit: &TotalFit,
+        references: &[f64],
+    ) -> Vec<f64> {
+        let Self { problem, model, baseline, base_switches, mean_independent_share, .. } = self;
+        let own = fitted.own(&baseline.coefficients, base_switches);
+        let friction = fitted.between.unwrap_or(Share::USUAL).changes(model, &own);
+        let total = problem.total();
+        let of_joint = |(joint, friction): (usize, Vec<(Switch, f64)>)| {
+            let (columns, deviations): (Vec<Switch>, Vec<f64>) = friction.into_iter().unzip();
+            let mut alone = vec![0.0; problem.joints()];
+            alone[joint] = 1.0;
+            let mut right = problem.right(total, &columns, &alone);
+            let products = problem.cross(total, &columns, switches, &alone);
+            for (products, value) in products.chunks_exact(columns.len().max(1)).zip(&fit.coefficients) {
+                right.iter_mut().zip(products).for_each(|(r, product)| *r -= product * value);
+            }
+            let gram = problem.cross(total, &columns, &columns, &alone);
+            let noise = references[joint] * memory(*mean_independent_share);
+            let usual = taken(&gram, &right, noise, &deviations);
+            (fit.squared_errors[1][joint] - usual).max(0.0) / total[1][joint].rows.max(1.0)
+        };
+        friction.into_iter().enumerate().map(of_joint).collect()
     }
 }

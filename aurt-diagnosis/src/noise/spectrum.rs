@@ -121,7 +121,7 @@ impl RecordingNoise {
         Ok(Self { segments: segments.collect::<Result<_, DiagnosisError>>()?, ..self.clone() })
     }
 
-    /// What noise leaves of a joint in all rows of a recording, summed.
+    /// Squares that noise leaves of a joint in all rows of a recording.
     pub(crate) fn all_left(&self, joint: usize, data: &Preprocessed) -> Result<f64, DiagnosisError> {
         let segments = data.segments.iter().zip(&self.segments);
         let of_segment = |(segment, noise): (&Segment, &SegmentNoise)| {

@@ -15,7 +15,8 @@ pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
     let changed = finding.present_in == ["target"];
     let when = if changed { ", in the target recordings only" } else { "" };
     let effect = effects::find(&finding.effect);
-    let slides = finding.joints.iter().all(|joint| question.model.rigid_body().slides(*joint));
+    let slides = !finding.joints.is_empty()
+        && finding.joints.iter().all(|joint| question.model.rigid_body().slides(*joint));
     let joints = names.joint_list(&finding.joints);
     if let Some(wording) = effect.and_then(|e| e.wording) {
         let Wording { phrase, detail } = wording(&finding.parameters, unit, names);

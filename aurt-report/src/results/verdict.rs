@@ -53,7 +53,9 @@ impl Shown<'_> {
         }
         self.indications(&mut text);
         if text.contains('±') {
-            text.push_str(&wrapped("±: one standard deviation, with 2 % for the drives' gains in units of torque"));
+            text.push_str(&wrapped(
+                "±: one standard deviation, with 2 % for the drives' gains in units of torque",
+            ));
         }
         let warning = style.emphasise(Emphasis::Warning, "warning");
         for w in &verdict.warnings {
