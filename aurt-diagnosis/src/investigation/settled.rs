@@ -139,7 +139,7 @@ impl Parts<'_> {
                 continue;
             };
             if let Addition::Term(configuration) = &proposal.addition
-                && build_term(self.registry, *effect, configuration)?.is_load()
+                && build_term(self.registry, effect, configuration)?.is_load()
                 && !loads.contains(law)
             {
                 loads.push(*law);
