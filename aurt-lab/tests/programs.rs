@@ -36,7 +36,7 @@ fn is_fresh(program: &Path) -> bool {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         name.starts_with("aurt") && name != "aurt-lab"
     };
-    // What the demo leaves has no sources.
+    // The folder that the demo leaves has no sources.
     let sources = below(root).filter(is_linked).map(|folder| folder.join("src"));
     let mut places: Vec<PathBuf> = sources.filter(|place| place.is_dir()).collect();
     while let Some(place) = places.pop() {

@@ -48,7 +48,7 @@ impl MeasurementUnit {
         }
     }
 
-    /// [`Self::express`] of a joint that slides: force in the place of torque, lengths in that of angles.
+    /// [`Self::express`] of a joint that slides, which has forces and lengths where others have torques and angles.
     ///
     /// ```
     /// use aurt_traits::MeasurementUnit::{Ampere, NewtonMetre};

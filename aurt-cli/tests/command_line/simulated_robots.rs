@@ -7,8 +7,8 @@ use crate::support::Folder;
 /// A recording of a UR10e that moves in sines up to a frequency, through a share of its range.
 fn simulated(folder: &Folder, name: &str, seed: u32, [rate_hz, top_hz, share]: [f64; 3], effect: &str) {
     let scenario = format!(
-        "robot = 'ur10e'\nseed = {seed}\nlogger.rate_hz = {rate_hz}\n[motion]\nkind = 'multi_sine'\nduration_s = 40.0\nharmonics = 6\n\
-         top_hz = {top_hz}\nshare = {share}\n{effect}"
+        "robot = 'ur10e'\nseed = {seed}\n[motion]\nkind = 'multi_sine'\nduration_s = 40.0\nharmonics = 6\ntop_hz = {top_hz}\n\
+         share = {share}\n[logger]\nrate_hz = {rate_hz}\n{effect}"
     );
     folder.write("scenario.toml", &scenario);
     folder.run(format!("simulate --scenario scenario.toml --out {name}.csv --quiet")).succeeded();
@@ -58,6 +58,22 @@ fn friction_of_another_day_is_no_change() {
         assert!(changed.starts_with("changed since calibration: "), "{changed}");
         assert!(changed.split(';').next().is_some_and(|change| change.contains("friction")), "{changed}");
     }
+}
+
+/// Noise of the accelerations is multiplied by what the arm carries: on coarse encoders nothing but noise is left beside a load.
+#[test]
+fn noise_grows_with_a_load() {
+    let folder = Folder::new();
+    let load = "[[effect]]\nname = 'payload'\nlink = 5\nmass_kg = 8.0\ncom_m = [0.0, 0.05, 0.12]\nedges_m = [0.2, 0.2, 0.2]\n";
+    for (seed, effect) in [(1, ""), (2, ""), (3, load), (4, load)] {
+        let coarse = format!("position_decimals = 3\n{effect}");
+        simulated(&folder, &seed.to_string(), seed, [200.0, 0.6, 0.7], &coarse);
+    }
+    let init = "init 1.csv 2.csv --target 3.csv --validation 4.csv --robot ur10e --out experiment.toml";
+    folder.run(format!("{init} {CONSTANTS}")).succeeded();
+    let said = folder.run("diagnose experiment.toml --out out").stdout();
+    assert!(said.starts_with("changed since calibration: a payload of "), "{said}");
+    assert!(!said.contains("× noise"), "{said}");
 }
 
 /// A sensor that takes up 6 % of its neighbour's torque since calibration: known laws resemble parts of it.

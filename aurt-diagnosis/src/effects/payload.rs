@@ -207,6 +207,8 @@ mod tests {
         let of = |values| estimate(&proposal, &fitted(values), &OwnFriction::default());
         let hung = of([("m", 2.0, 0.1), ("mX", 0.4, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.1, 0.01)]);
         assert_eq!(hung["com_m"].value[0], 0.2);
+        let std = hung["com_m"].std[0].as_f64().unwrap();
+        assert!((std - 0.005_f64.hypot(0.2 * 0.05)).abs() < 1e-12, "that of the mass is in it: {std}");
         assert!(!hung.contains_key("first_moment_kg_m"), "{hung:?}");
         assert_eq!(excludes(&hung, 1.0), None);
         // What is left of a mass by rounding gives no centre of mass.

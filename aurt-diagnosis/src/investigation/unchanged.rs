@@ -38,12 +38,12 @@ impl Investigation {
         let left = self.left_beside_targets(switches, fit);
         let noise = mean_floor(&self.rows, &self.partition, &self.floors, |role| role == Role::Target);
         let of_joint = |(j, left): (usize, f64)| {
-            // What never moved beside the targets has nothing that it could have changed from.
+            // A joint that never moved beside the targets cannot have changed.
             if total[0][j].rows <= 0.0 {
                 return f64::INFINITY;
             }
             let power = |kind: usize| total[kind][j].square / total[kind][j].rows.max(1.0);
-            // What a given model leaves is no measure of the torque.
+            // Of a given model only the residual is here, which does not tell the torque.
             let is_known = !self.baseline.frozen && power(0) > 0.0;
             let louder = if is_known { (power(1) / power(0)).max(1.0) } else { 1.0 };
             (louder * left).max(noise[j])

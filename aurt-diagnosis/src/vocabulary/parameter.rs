@@ -37,8 +37,8 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What names of parameters of the unit end with, in a model of what is measured. Of joints that slide, force stands for
-    /// torque and lengths for angles.
+    /// Ending of the names of its parameters in a model of what is measured. Joints that slide have forces and lengths where
+    /// others have torques and angles.
     const fn ending(self, measured: MeasurementUnit, slides: bool) -> &'static str {
         match (self, measured, slides) {
             (Self::One | Self::Measurement, ..) => "",

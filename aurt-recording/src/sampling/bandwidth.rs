@@ -211,9 +211,9 @@ mod tests {
             Band { velocities, noises, slowest_hz: 500.0, shortest_s: 100.0 }.quiet_hz(asked_hz)
         };
         assert_eq!(quiet_hz(0.0, 30.0), 30.0);
-        // σ²/250 (2π)⁴ f⁵/5 is a ten-thousandth of (2π)² at 12.8 Hz.
-        assert_eq!(quiet_hz(9.5e-5, 30.0), 10.0);
-        assert_eq!(quiet_hz(9.5e-5, 11.0), 11.0);
+        // σ²/250 (2π)⁴ f⁵/5 is a ten-thousandth of (2π)² at 8.1 Hz, and of a σ of a third at 12.6 Hz.
+        assert_eq!([30.0, 8.1].map(|asked_hz| quiet_hz(3e-4, asked_hz)), [8.0, 8.1]);
+        assert_eq!([30.0, 12.0].map(|asked_hz| quiet_hz(1e-4, asked_hz)), [10.0, 12.0]);
         // What suits the motion is the least, whatever the noise.
         assert_eq!([quiet_hz(1.0, 30.0), quiet_hz(1.0, 0.5)], [1.0, 0.5]);
     }

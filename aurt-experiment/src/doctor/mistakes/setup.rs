@@ -197,7 +197,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// How its rows are fitted.
+    /// Options of the fit of its rows.
     pub fn rest_options(&self) -> CalibrationOptions {
         CalibrationOptions {
             rest: Rest::Exclude,
