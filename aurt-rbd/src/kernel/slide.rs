@@ -87,7 +87,7 @@ pub(super) fn slide_carry_previous<T: Lanes>(
     rates: &Rates<'_>,
     group: &[usize],
 ) {
-    let ([ox, oy, oz], [vx, vy, vz]) = place.previous_twist();
+    let ([ox, oy, oz], [vx, vy, vz]) = (place.previous_omega, place.previous_velocity);
     let omega = [T::splat(ox), T::splat(oy), T::splat(oz)];
     let velocity = [T::splat(vx), T::splat(vy), T::splat(vz)];
     for (twist, first) in previous.twists.iter_mut().zip(group) {
