@@ -44,7 +44,6 @@ pub(crate) struct ArrayFile<'a> {
     pub(crate) arrays: Vec<Array>,
 }
 
-/// A column: where its numbers lie in an array.
 #[derive(Debug, Clone, Copy)]
 struct Column {
     array: usize,

@@ -85,7 +85,6 @@ macro_rules! slot_model {
     };
 }
 
-/// What a joint model says of its configuration.
 fn joint_complaints(model: &(impl JointModel + ?Sized)) -> Vec<ModelError> {
     model.validate().err().unwrap_or_default()
 }
@@ -212,7 +211,6 @@ fn build<M: SlotModel + ?Sized>(
     if complaints.is_empty() { Ok(model) } else { Err(complaints) }
 }
 
-/// The library that a saved model is from.
 fn saved_library(plugin: &Value) -> LibraryListing {
     let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
     LibraryListing {

@@ -48,9 +48,7 @@ pub(crate) struct BodyPlace {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Freedom {
     Fixed,
-    /// It turns about the axis.
     Turns(Vector3<f64>),
-    /// It slides along the axis.
     Slides(Vector3<f64>),
     /// Anything else, by the file's own name.
     Other(String),

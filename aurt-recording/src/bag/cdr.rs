@@ -20,7 +20,6 @@ pub(super) struct CdrBody<'a> {
 }
 
 impl<'a> CdrBody<'a> {
-    /// The body of a message.
     pub(super) fn of(message: &'a [u8]) -> Result<Self, &'static str> {
         let (encapsulation, bytes) = message.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {
@@ -31,7 +30,6 @@ impl<'a> CdrBody<'a> {
         Ok(Self { bytes, at: 0, big_endian })
     }
 
-    /// The same body from another place on.
     pub(super) const fn from(self, at: usize) -> Self {
         Self { at, ..self }
     }

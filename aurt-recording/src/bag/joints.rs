@@ -152,7 +152,6 @@ impl<'a> Joints<'a> {
         Ok(joints)
     }
 
-    /// Names of the joints in the order of the rows.
     pub(super) fn names(&self) -> &[String] {
         &self.names
     }

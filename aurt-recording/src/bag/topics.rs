@@ -11,7 +11,6 @@ const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/Joint
 const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
 const USUAL: &str = "/joint_states";
 
-/// A topic whose messages are read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Topic {
     pub(super) name: String,
