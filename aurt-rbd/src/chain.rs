@@ -26,7 +26,6 @@ pub struct SerialChain {
     joints: Vec<Joint>,
     frames: Vec<JointFrame>,
     places: Vec<Place>,
-    /// The paths of all links, one after the other.
     paths: Vec<usize>,
     gravity_m_s2: [f64; 3],
     joint_names: Vec<String>,

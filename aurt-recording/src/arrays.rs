@@ -15,7 +15,6 @@ use crate::recording::Recording;
 pub(crate) struct Array {
     /// Its name; none where a file is one array.
     pub(crate) name: Option<String>,
-    /// Lengths of its axes.
     pub(crate) shape: Vec<usize>,
     /// Whether the first axis varies fastest.
     pub(crate) column_major: bool,

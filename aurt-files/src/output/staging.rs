@@ -84,7 +84,6 @@ impl Staged {
         Ok(())
     }
 
-    /// Gives the contents their right name.
     pub(crate) fn rename(&self) -> Result<(), WriteError> {
         fs::rename(&self.part, &self.target).map_err(WriteError::at(&self.target))
     }

@@ -33,10 +33,8 @@ mod sealed {
 
     /// What building needs of a model trait; private, so that nobody else fills a slot.
     pub trait Construct {
-        /// A statically linked model.
         fn from_linked(table: Tracked<'_>) -> Result<Box<Self>, Error>;
 
-        /// A model of a library, from its keys.
         fn from_library(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Box<Self>, Fault>;
 
         /// The models that it is made of, if it is made of such.

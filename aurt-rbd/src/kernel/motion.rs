@@ -220,7 +220,6 @@ pub(super) fn first_link<T: Lanes>(
     });
 }
 
-/// Moves on to the motion of the next link, across the joint at `place`.
 #[inline(always)]
 pub(super) fn next_link<T: Lanes>(
     place: &Place,

@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use crate::robots::pose::{Body, Pose};
 use crate::robots::{JointFriction, JointLimits};
 
-/// Links and the joints between them, as a file has them.
 #[derive(Debug)]
 pub(crate) struct Tree {
     pub path: PathBuf,

@@ -6,7 +6,6 @@
 pub(super) const MOST_OF_MESSAGE: usize = 1000;
 const MOST_NAME_BYTES: usize = 512;
 
-/// Why a message is refused.
 pub(super) const BREAKS_OFF: &str = "it is truncated";
 pub(super) const TOO_MANY: &str = "it has more than 1000 joints, or a name of more than 512 bytes";
 
@@ -14,7 +13,6 @@ pub(super) const TOO_MANY: &str = "it has more than 1000 joints, or a name of mo
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CdrBody<'a> {
     bytes: &'a [u8],
-    /// Place of what comes next.
     pub(super) at: usize,
     big_endian: bool,
 }

@@ -7,7 +7,6 @@ use crate::error::RecordingError;
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
-/// Type of the messages of planned motions.
 const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
 const USUAL: &str = "/joint_states";
 

@@ -74,7 +74,6 @@ fn shown(line: usize) -> u32 {
 }
 
 impl<'a> Collector<'a> {
-    /// A collector of the selected columns, with room for about `rows` rows.
     pub(super) fn new(selected: &'a Selected, options: &ReadOptions, rows: usize) -> Self {
         let mut limits = vec![TIME_LIMIT_S];
         limits.extend(selected.position.iter().map(|_| options.position_limit_rad));

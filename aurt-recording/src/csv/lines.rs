@@ -14,7 +14,6 @@ pub(super) struct Lines<R> {
     ended: bool,
 }
 
-/// A line without its end.
 pub(super) struct Line<'a> {
     pub(super) number: usize,
     /// Its bytes, without line feed and carriage return.
