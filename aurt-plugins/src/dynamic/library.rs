@@ -2,12 +2,12 @@ use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use aurt_traits::Slot;
 use aurt_traits::abi::{self, Declaration, ModelTable};
 use libloading::Library;
 
 use super::description::MOST;
 use super::file::LibraryFile;
-use crate::Registry;
 use crate::error::LibraryProblem;
 use crate::listing::{LibraryListing, ModelListing, Origin};
 
@@ -168,8 +168,12 @@ unsafe fn read_model(
         let reason = format!("a model is called `{}`; names are words", aurt_files::clipped(name));
         return Err(LibraryProblem::Faulty(reason));
     }
-    let Some(slot) = Registry::SLOTS.into_iter().find(|slot| *slot as u32 == table.slot) else {
-        return Err(faulty(&format!("is for slot {}, which does not exist", table.slot)));
+    let slot = match table.slot {
+        abi::COULOMB => Slot::Coulomb,
+        abi::HYSTERESIS => Slot::Hysteresis,
+        abi::VISCOUS => Slot::Viscous,
+        abi::ARM_TERM => Slot::ArmTerm,
+        other => return Err(faulty(&format!("is for slot {other}, which does not exist"))),
     };
     for (function, there) in [
         ("create", table.create.is_some()),
