@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a file is, whatever it is called: device and number on Unix, the path without links elsewhere.
 #[cfg(unix)]
@@ -14,14 +14,18 @@ type Identity = PathBuf;
 /// The files that were read, each with a path that leads to it; none where nothing is protected.
 static READ: Mutex<Option<BTreeMap<Identity, PathBuf>>> = Mutex::new(None);
 
+pub(crate) fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// From now on [`is_input`] knows what this process reads, for commands, which must not overwrite their inputs. Programs that
 /// live on, and read what they wrote, do without.
 pub fn protect_inputs() {
-    READ.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default();
+    lock(&READ).get_or_insert_default();
 }
 
 pub(crate) fn note(path: &Path, metadata: &Metadata) {
-    let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut read = lock(&READ);
     if let Some((read, identity)) = read.as_mut().zip(identity(path, metadata)) {
         read.entry(identity).or_insert_with(|| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()));
     }
@@ -29,17 +33,15 @@ pub(crate) fn note(path: &Path, metadata: &Metadata) {
 
 #[cfg(unix)]
 pub(crate) fn is_known(metadata: &Metadata) -> bool {
-    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    read.as_ref()
-        .zip(identity(Path::new(""), metadata))
-        .is_some_and(|(read, identity)| read.contains_key(&identity))
+    let identity = identity(Path::new(""), metadata);
+    lock(&READ).as_ref().zip(identity).is_some_and(|(read, identity)| read.contains_key(&identity))
 }
 
 /// Whether a path, by this name or another, leads to a file that this process has read.
 pub fn is_input(path: &Path) -> bool {
     let identity_of = |path: &Path| fs::metadata(path).ok().and_then(|metadata| identity(path, &metadata));
     let Some(identity) = identity_of(path) else { return false };
-    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    let read = lock(&READ);
     // The number of a file that is gone may be another's now.
     read.as_ref()
         .and_then(|read| read.get(&identity))

@@ -38,7 +38,6 @@ pub enum LibraryProblem {
         ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
     )]
     OtherVersion { major: u32, minor: u32 },
-    /// Its declaration contradicts the ABI.
     #[error("has a faulty declaration: {0}")]
     Faulty(String),
 }
@@ -51,7 +50,6 @@ pub enum Error {
     /// A model's configuration does not give a model.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// Two models of one slot have the same name.
     #[error(
         "the {slot} model `{name}` exists twice: from {first} and from {second}; rename one of them or load only one"
     )]
@@ -63,14 +61,12 @@ pub enum Error {
         /// What registered the second, in words.
         second: String,
     },
-    /// A dynamic library could not be loaded.
     #[error("the library {path} {problem}", path = path.display())]
     Library { path: PathBuf, problem: LibraryProblem },
     #[error("{path}: {reason}; mend or delete it (`aurt trust LIBRARY` writes it)", path = path.display())]
     TrustList { path: PathBuf, reason: String },
     #[error("`{name}` cannot be the name of a plugin: it {reason}")]
     PluginName { name: String, reason: &'static str },
-    /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Write { path: PathBuf, source: std::io::Error },
 }
@@ -109,7 +105,6 @@ pub enum BuildError {
         example: String,
         span: Span,
     },
-    /// A saved model is from a dynamic library that is not loaded.
     #[error(
         "the {slot} model `{model}` is from the library {name} {version}, which is not loaded",
         slot = slot.name()
@@ -122,7 +117,6 @@ pub enum BuildError {
         /// Its file, when the model was saved.
         library: PathBuf,
     },
-    /// A saved model is from another library than the model of that name that is there now.
     #[error(
         "the {slot} model `{model}` was saved from the library {} {}, but the one here is from {found}, whose \
          coefficients may mean something else",

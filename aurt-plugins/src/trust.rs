@@ -45,7 +45,7 @@ impl Trust {
         }
         let mut hashes: BTreeSet<String> = said.split_whitespace().map(str::to_owned).collect();
         if let Some(list) = Self::list() {
-            hashes.extend(read(&list)?.into_iter().map(|(hash, _)| hash));
+            hashes.extend(Self::listed(&list)?.into_iter().map(|(hash, _)| hash));
         }
         Ok(Self { all: false, hashes })
     }
@@ -67,7 +67,20 @@ impl Trust {
     /// # Errors
     /// As [`Self::of_user`]. A list that does not exist is empty.
     pub fn listed(list: &Path) -> Result<Vec<(String, String)>, Error> {
-        read(list)
+        let fail = |reason: String| Error::TrustList { path: list.to_owned(), reason };
+        let bytes = match aurt_files::read_regular(list, aurt_files::MOST_TEXT_BYTES) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(fail(error.to_string())),
+        };
+        let text = aurt_files::text_of(bytes).map_err(|error| fail(error.to_string()))?;
+        let line = |(number, line): (usize, &str)| {
+            let (hash, file) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
+            let is_hash = hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit());
+            let reason = || fail(format!("line {} begins with no BLAKE3 hash", number + 1));
+            if is_hash { Ok((hash.to_ascii_lowercase(), file.trim().to_owned())) } else { Err(reason()) }
+        };
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(line).collect()
     }
 
     /// Adds the bytes that a library has now to a list. Returns their hash.
@@ -77,7 +90,7 @@ impl Trust {
     pub fn add(list: &Path, library: &Path) -> Result<String, Error> {
         let hash = LibraryFile::read(library)?.blake3;
         let fail = |source| Error::Write { path: list.to_owned(), source };
-        let mut lines = read(list)?;
+        let mut lines = Self::listed(list)?;
         let file = library.canonicalize().unwrap_or_else(|_| library.to_owned());
         if !lines.iter().any(|(known, _)| *known == hash) {
             lines.push((hash.clone(), file.display().to_string()));
@@ -105,23 +118,6 @@ impl Trust {
         let hashes = || self.hashes.iter().map(String::as_str).collect::<Vec<_>>().join(" ");
         (ENVIRONMENT, if self.all { "all".to_owned() } else { hashes() })
     }
-}
-
-fn read(list: &Path) -> Result<Vec<(String, String)>, Error> {
-    let fail = |reason: String| Error::TrustList { path: list.to_owned(), reason };
-    let bytes = match aurt_files::read_regular(list, aurt_files::MOST_TEXT_BYTES) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(fail(error.to_string())),
-    };
-    let text = aurt_files::text_of(bytes).map_err(|error| fail(error.to_string()))?;
-    let line = |(number, line): (usize, &str)| {
-        let (hash, file) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
-        let is_hash = hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit());
-        let reason = || fail(format!("line {} begins with no BLAKE3 hash", number + 1));
-        if is_hash { Ok((hash.to_ascii_lowercase(), file.trim().to_owned())) } else { Err(reason()) }
-    };
-    text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()).map(line).collect()
 }
 
 #[cfg(test)]

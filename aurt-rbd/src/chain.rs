@@ -26,7 +26,6 @@ pub struct SerialChain {
     joints: Vec<Joint>,
     frames: Vec<JointFrame>,
     places: Vec<Place>,
-    /// The paths of all links, one after the other.
     paths: Vec<usize>,
     gravity_m_s2: [f64; 3],
     joint_names: Vec<String>,
@@ -105,7 +104,10 @@ impl SerialChain {
     /// # Errors
     /// [`RbdError::Count`] if the number of names is not that of the joints.
     pub fn with_link_names(self, link_names: Vec<String>) -> Result<Self, RbdError> {
-        check_link_names(&link_names, self.joints.len())?;
+        let (expected, found) = (self.joints.len(), link_names.len());
+        if found != 0 && found != expected {
+            return Err(RbdError::Count { what: "link names", expected, found });
+        }
         Ok(Self { link_names, ..self })
     }
 
@@ -176,17 +178,14 @@ impl SerialChain {
         self.gravity_m_s2
     }
 
-    /// The joints' constant placements as numbers.
     pub(crate) fn frames(&self) -> &[JointFrame] {
         &self.frames
     }
 
-    /// The joints' constant placements as the regressor kernel wants them.
     pub(crate) fn places(&self) -> &[Place] {
         &self.places
     }
 
-    /// The paths of all links, one after the other.
     pub(crate) fn paths(&self) -> &[usize] {
         &self.paths
     }
@@ -231,14 +230,6 @@ pub(crate) fn check_joint_names(names: &[String], joints: usize) -> Result<(), R
         Some((joint, name)) => Err(RbdError::JointName { joint, name: name.clone() }),
         None => Ok(()),
     }
-}
-
-/// Whether names can be those of the links of `joints` joints: none at all, or one each.
-pub(crate) fn check_link_names(names: &[String], joints: usize) -> Result<(), RbdError> {
-    if names.is_empty() || names.len() == joints {
-        return Ok(());
-    }
-    Err(RbdError::Count { what: "link names", expected: joints, found: names.len() })
 }
 
 pub(crate) fn check_branches(branches: &[Branch], joints: usize) -> Result<(), RbdError> {

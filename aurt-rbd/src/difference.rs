@@ -24,7 +24,6 @@ pub enum GeometryDifference {
     Joint { joint: usize, quantity: &'static str, ours: String, theirs: String },
     /// The torque of a joint, where the descriptions have no quantities in common.
     Torque {
-        /// The joint where the share is largest, from 0.
         joint: usize,
         /// Share of the torque that no masses explain.
         left: f64,

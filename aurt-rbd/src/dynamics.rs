@@ -41,7 +41,7 @@ pub(crate) fn joint_velocity(kind: JointKind, rate: f64) -> (Vector3<f64>, Vecto
 }
 
 /// What the recursions remember of a link, in the link's frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LinkScratch {
     /// Maps coordinates in this link frame to the parent's.
     pub rotation: Matrix3<f64>,
@@ -64,7 +64,7 @@ pub(crate) struct LinkScratch {
 }
 
 /// A symmetric 6 × 6 inertia in blocks: moment = J ω̇ + H a, force = Hᵀ ω̇ + M a.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Articulated {
     pub j: Matrix3<f64>,
     pub h: Matrix3<f64>,
@@ -86,7 +86,7 @@ impl ChainDynamics {
         }
         check_finite("standard inertial parameter", standard)?;
         let links = standard.chunks_exact(INERTIAL_PARAMETERS).map(LinkInertia::from_standard).collect();
-        let scratch = vec![LinkScratch::ZERO; joints];
+        let scratch = vec![LinkScratch::default(); joints];
         Ok(Self { chain, links, rotor_inertia_kg_m2: vec![0.0; joints], scratch })
     }
 
@@ -166,28 +166,6 @@ impl LinkInertia {
             m: Matrix3::from_diagonal_element(self.mass),
         }
     }
-}
-
-impl LinkScratch {
-    const ZERO: Self = {
-        let vector = Vector3::new(0.0, 0.0, 0.0);
-        let matrix = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        Self {
-            rotation: matrix,
-            origin: vector,
-            motion: [vector; 3],
-            in_base: matrix,
-            moment: vector,
-            force: vector,
-            bias_angular: vector,
-            bias_linear: vector,
-            articulated: Articulated { j: matrix, h: matrix, m: matrix },
-            axis_moment: vector,
-            axis_force: vector,
-            axis_inertia: 0.0,
-            axis_torque: 0.0,
-        }
-    };
 }
 
 impl Articulated {

@@ -7,10 +7,8 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RbdError {
-    /// A table of modified Denavit–Hartenberg parameters could not be read.
     #[error(transparent)]
     Mdh(#[from] MdhErrors),
-    /// A joint of a chain has a value that no joint can have.
     #[error("joint {joint}: {what} {reason}")]
     Joint {
         joint: usize,
@@ -19,14 +17,12 @@ pub enum RbdError {
         /// Why, as the rest of the sentence ("must be 1 or -1, is 0.5").
         reason: String,
     },
-    /// A name that cannot be a joint's.
     #[error("joint {joint}: its name `{}` is empty or that of a joint before it", name.escape_debug())]
     JointName { joint: usize, name: String },
     #[error("the joint `{}` beside the chain is behind a joint that is none of the {joints}", name.escape_debug())]
     Branch { name: String, joints: usize },
     #[error("a chain needs at least one joint")]
     NoJoints,
-    /// More joints than any robot has.
     #[error("{joints} joints, of at most {most}; choose a part of the robot")]
     TooManyJoints { joints: usize, most: usize },
     /// A chain in which joints follow others where one is needed whose joints all move on their own.
@@ -39,27 +35,13 @@ pub enum RbdError {
         "joint {joint} does not sit on the link of the joint before it: this robot is a tree, and a chain is needed; choose one \
          by its tip"
     )]
-    Tree {
-        /// The first such joint, from 0.
-        joint: usize,
-    },
-    /// The gravity vector has an entry that is not finite, or that no robot meets.
+    Tree { joint: usize },
     #[error("gravity {reason}")]
-    Gravity {
-        /// What is wrong, as the rest of the sentence.
-        reason: String,
-    },
-    /// Two things that must have the same number of entries do not.
+    Gravity { reason: String },
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: &'static str, expected: usize, found: usize },
-    /// Inertial parameters or rotor inertias with an entry that is not finite.
     #[error("{what} {index} is not finite: {value}")]
-    NotFinite {
-        what: &'static str,
-        /// The entry's index, from 0.
-        index: usize,
-        value: f64,
-    },
+    NotFinite { what: &'static str, index: usize, value: f64 },
     /// The rank of the dummy observations did not settle, or two seeds disagree on the base parameters.
     #[error("the base parameters could not be determined: {reason}")]
     BaseParameters { reason: String },
@@ -77,17 +59,14 @@ pub struct MdhErrors(pub Vec<MdhError>);
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum MdhError {
-    /// The file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
-    /// There is no header, or no row below it.
     #[error("{}: {reason}; a table starts with a line `alpha,a,d`, then one row per joint", path.display())]
     Empty { path: PathBuf, reason: &'static str },
     #[error(
         "{}:{line}: there are more than {most} rows, one joint a row; this table is no arm's", path.display()
     )]
     TooManyRows { path: PathBuf, line: usize, most: usize },
-    /// The first line holds numbers where the names of the columns belong.
     #[error(
         "{}:{line}: the first line is `{text}`, but it must name the columns; \
          put a line such as `alpha,a,d` above it", path.display()
@@ -99,7 +78,6 @@ pub enum MdhError {
         path.display(), found.join(", ")
     )]
     MissingColumn { path: PathBuf, line: usize, column: &'static str, found: Vec<String> },
-    /// A column of a name that means nothing here.
     #[error(
         "{}:{line}: column {column_number} is called `{text}`{}; known are alpha, a, d, theta, sign, type",
         path.display(), meant.map(|m| format!(", did you mean `{m}`?")).unwrap_or_default()
@@ -111,15 +89,12 @@ pub enum MdhError {
         text: String,
         meant: Option<&'static str>,
     },
-    /// Two columns of one name.
     #[error("{}:{line}: column {column_number} is called `{text}` as an earlier one; remove one of them", path.display())]
     DuplicateColumn { path: PathBuf, line: usize, column_number: usize, text: String },
-    /// A row with too many or too few cells.
     #[error(
         "{}:{line}: the row has {found} cells, the header has {expected}; row: `{text}`", path.display()
     )]
     CellCount { path: PathBuf, line: usize, expected: usize, found: usize, text: String },
-    /// A cell that does not hold what its column asks for.
     #[error("{}:{line}: `{text}` in column {column_number} ({column}) {reason}", path.display())]
     Cell {
         path: PathBuf,

@@ -15,7 +15,6 @@ use crate::recording::Recording;
 pub(crate) struct Array {
     /// Its name; none where a file is one array.
     pub(crate) name: Option<String>,
-    /// Lengths of its axes.
     pub(crate) shape: Vec<usize>,
     /// Whether the first axis varies fastest.
     pub(crate) column_major: bool,
@@ -44,7 +43,6 @@ pub(crate) struct ArrayFile<'a> {
     pub(crate) arrays: Vec<Array>,
 }
 
-/// A column: where its numbers lie in an array.
 #[derive(Debug, Clone, Copy)]
 struct Column {
     array: usize,

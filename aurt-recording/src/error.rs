@@ -10,7 +10,6 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RecordingError {
-    /// The file could not be opened or read.
     #[error("{path}: {remedy}")]
     Unreadable {
         path: PathBuf,
@@ -22,7 +21,6 @@ pub enum RecordingError {
     Directory { path: PathBuf, inside: Vec<String> },
     #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample")]
     NoRows { path: PathBuf, found: String },
-    /// The first line is data, and no columns were selected.
     #[error(
         "{path}{at}: there is no header{row}, so the {columns} columns have no names; \
          say which is which, counting from 0, e.g. columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }}",
@@ -46,7 +44,6 @@ pub enum RecordingError {
         known: Vec<String>,
         likely: Option<String>,
     },
-    /// A selection names a column beyond the last one.
     #[error(
         "{path}: column {index} (counting from 0) was selected for {what}, but the file has {columns} columns, 0 to {last}", last = columns - 1
     )]
@@ -60,7 +57,6 @@ pub enum RecordingError {
     /// Columns that do not fit together: holes in a numbering, different joint counts, doubled names.
     #[error("{path}{at}: {reason}; {remedy}", at = at(*line))]
     Columns { path: PathBuf, line: usize, reason: String, remedy: String },
-    /// Joints of the robot that the recording does not name, or names twice.
     #[error(
         "{path}: the recording has the joints {recorded}; wanted are {wanted}, and {lacking} of them; {remedy}say which of the \
          recording's joints are the robot's, in the robot's order: joint_names = […] in an experiment, --joint-names on the command \
@@ -78,10 +74,8 @@ pub enum RecordingError {
         /// Those of them that are not there, or there twice.
         lacking: Vec<String>,
     },
-    /// The unit of the measurement cannot be told.
     #[error("{path}: {reason}; {remedy}")]
     Unit { path: PathBuf, reason: String, remedy: String },
-    /// A cell that is not a finite number.
     #[error(
         "{path}, line {line}, column {column}{name}: {cell}{others}; {remedy}",
         cell = cell(text),
@@ -99,25 +93,14 @@ pub enum RecordingError {
         rows: usize,
         remedy: &'static str,
     },
-    /// A number that is not finite, in a file that is no text.
     #[error(
         "{path}, row {row}: {name} is {value}{others}; {leave_out}, or select another column",
         others = others(*rows),
         leave_out = LEAVE_OUT
     )]
-    Value {
-        path: PathBuf,
-        /// Row, from 1.
-        row: usize,
-        name: String,
-        value: f64,
-        /// Rows that have such a number, this one included.
-        rows: usize,
-    },
-    /// Two files that do not belong together.
+    Value { path: PathBuf, row: usize, name: String, value: f64, rows: usize },
     #[error("{path} with {other}: {reason}; {remedy}", other = other.display())]
     Joined { path: PathBuf, other: PathBuf, reason: String, remedy: String },
-    /// Reading would take more memory than the size of the file allows.
     #[error(
         "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
          and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)", needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
@@ -132,7 +115,6 @@ pub enum RecordingError {
         reason: String,
         remedy: String,
     },
-    /// A line with another number of cells than the first one.
     #[error("{path}, line {line}: {found} cells where the file has {expected}; {remedy}")]
     Ragged { path: PathBuf, line: usize, expected: usize, found: usize, remedy: String },
     #[error(
@@ -140,7 +122,6 @@ pub enum RecordingError {
          delete that line"
     )]
     TruncatedLastLine { path: PathBuf, line: usize, reason: String },
-    /// More rows are corrupt than may be dropped.
     #[error(
         "{path}, {place}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
          dropped ({max_percent} %): repair the file, delete these rows, or cut the recording with a window that leaves them out",
@@ -162,29 +143,16 @@ pub enum RecordingError {
     /// A value in a recording that was not read from a file.
     #[error("{path}: {reason}; remove such samples first")]
     Sample { path: PathBuf, reason: String },
-    /// A window that holds no samples.
     #[error(
         "{path}: the window {from_s} s to {to_s} s {reason}; the recording lasts from 0 to {duration_s:.3} s"
     )]
-    Window {
-        path: PathBuf,
-        /// Start, in s from the first stamp.
-        from_s: f64,
-        /// End, in s from the first stamp.
-        to_s: f64,
-        reason: &'static str,
-        duration_s: f64,
-    },
-    /// An option outside its range.
+    Window { path: PathBuf, from_s: f64, to_s: f64, reason: &'static str, duration_s: f64 },
     #[error("`{option}` = {value:?}: {remedy}")]
     InvalidOption { option: &'static str, value: f64, remedy: &'static str },
-    /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: String, expected: usize, found: usize },
-    /// A filter order out of range.
     #[error("a Butterworth low-pass of order {order}: the order must lie between 1 and 12")]
     FilterOrder { order: usize },
-    /// A cut-off frequency at which a filter cannot be built.
     #[error(
         "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must lie between 0.0001 and 0.9999 of half the rate"
     )]
@@ -201,10 +169,8 @@ pub enum RecordingError {
         largest_f_dyn_hz: f64,
         remedy: String,
     },
-    /// A series too short for a forward–backward filter.
     #[error("{samples} samples are too few to filter: the filter needs at least {needed}")]
     TooShortToFilter { samples: usize, needed: usize },
-    /// A recording too short to preprocess.
     #[error("{path}: {samples} samples{after} are too few: at least {needed} are needed; {remedy}")]
     TooShort {
         path: PathBuf,
@@ -218,14 +184,7 @@ pub enum RecordingError {
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
          so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s"
     )]
-    AtRest {
-        path: PathBuf,
-        threshold_rad_s: f64,
-        /// The fastest joint, from 0.
-        joint: usize,
-        fastest_rad_s: f64,
-    },
-    /// The temporary file of a recording longer than memory cannot be made, written or read.
+    AtRest { path: PathBuf, threshold_rad_s: f64, joint: usize, fastest_rad_s: f64 },
     #[error(
         "{path}: the temporary file for its samples fails; it lies in the folder for temporary files (TMPDIR) and takes \
          8 bytes a number"
@@ -235,7 +194,6 @@ pub enum RecordingError {
         #[source]
         source: std::io::Error,
     },
-    /// A clock from which no sampling rate can be told.
     #[error("{path}: {reason}; {remedy}")]
     Clock { path: PathBuf, reason: String, remedy: String },
 }
@@ -243,6 +201,10 @@ pub enum RecordingError {
 impl RecordingError {
     pub(crate) fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
         Self::Count { what: what.into(), expected, found }
+    }
+
+    pub(crate) const fn option(option: &'static str, value: f64, remedy: &'static str) -> Self {
+        Self::InvalidOption { option, value, remedy }
     }
 
     pub(crate) fn malformed(
@@ -275,7 +237,6 @@ fn list(names: &[String]) -> String {
     text
 }
 
-/// Bytes in MB, rounded up.
 const fn megabytes(bytes: u64) -> u64 {
     bytes.div_ceil(1_000_000)
 }
@@ -321,7 +282,6 @@ fn part_or_meant(lacking: &[String], recorded: &[String], wanted: &[String]) -> 
 pub(crate) const LEAVE_OUT: &str =
     "write drop = \"nan\" in [recordings] to leave such rows out, or correct them";
 
-/// A cell that is not a finite number, in words.
 fn cell(text: &str) -> String {
     if text.is_empty() { "the cell is empty".to_owned() } else { format!("`{text}` is not a finite number") }
 }

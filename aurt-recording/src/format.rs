@@ -49,7 +49,6 @@ pub(crate) struct RecordingInput<'a> {
     pub file: File,
 }
 
-/// Endings of files that are recordings.
 const ENDINGS: [&str; 8] = ["mcap", "db3", "parquet", "npz", "npy", "mat", "csv", "tsv"];
 
 /// The files of a folder that look like recordings, by their names; those of a bag first, which say what they are.

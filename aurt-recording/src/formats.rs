@@ -53,12 +53,10 @@ pub fn is_recording_folder(path: &Path) -> bool {
     false
 }
 
-/// Reads one file or data set as a whole.
 pub(crate) fn read_whole(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     read_in_pieces(path, Reading { options, piece_rows: usize::MAX, visit: &mut |_| Ok(()) })
 }
 
-/// Reads one file or data set.
 pub(crate) fn read_in_pieces(path: &Path, reading: Reading<'_>) -> Result<Recording, RecordingError> {
     reading.options.validate()?;
     #[cfg(feature = "lerobot")]

@@ -39,7 +39,6 @@ pub(crate) struct DataSet {
     files: Vec<PathBuf>,
 }
 
-/// What is read of `meta/info.json`.
 #[derive(Debug, Deserialize)]
 struct Info {
     fps: f64,

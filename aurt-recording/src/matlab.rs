@@ -133,7 +133,6 @@ impl Scan<'_> {
         }
     }
 
-    /// The tag of the next variable, if there is one.
     fn first_tag(&self, source: &mut impl Read) -> io::Result<Option<Tag>> {
         let mut first = [0; 1];
         if source.read(&mut first)? == 0 {

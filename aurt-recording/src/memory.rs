@@ -37,7 +37,6 @@ impl<'a> Memory<'a> {
         self.allowed_bytes
     }
 
-    /// Refuses what would take more.
     pub(crate) fn claim(&self, what: &str, needed_bytes: u64) -> Result<(), RecordingError> {
         if needed_bytes <= self.allowed_bytes {
             return Ok(());

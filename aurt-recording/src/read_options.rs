@@ -94,13 +94,11 @@ impl ReadOptions {
         self.joints.as_ref().is_some_and(|robot| robot.slides(joint))
     }
 
-    /// Whether a joint beside the robot's chain slides.
     pub(crate) fn branch_slides(&self, joint: &str) -> bool {
         let mut branches = self.joints.iter().flat_map(|robot| &robot.branches);
         branches.any(|branch| branch.joint == joint && branch.slides)
     }
 
-    /// The number of the robot's joints, where it is known.
     pub(crate) fn joint_count(&self) -> Option<usize> {
         self.joints.as_ref().map(|robot| robot.count)
     }
@@ -110,7 +108,7 @@ impl ReadOptions {
         let value = self.max_corrupt_share;
         if !(0.0..=1.0).contains(&value) {
             let remedy = "it is a share between 0 and 1";
-            return Err(RecordingError::InvalidOption { option: "max_corrupt_share", value, remedy });
+            return Err(RecordingError::option("max_corrupt_share", value, remedy));
         }
         let limits = [
             ("position_limit_rad", self.position_limit_rad),
@@ -119,8 +117,7 @@ impl ReadOptions {
         ];
         for (option, value) in limits {
             if value.is_nan() || value <= 0.0 {
-                let remedy = "it must be a positive number";
-                return Err(RecordingError::InvalidOption { option, value, remedy });
+                return Err(RecordingError::option(option, value, "it must be a positive number"));
             }
         }
         Ok(())

@@ -44,22 +44,16 @@ impl TimeUnit {
 
     /// Its length in s.
     pub const fn seconds(self) -> f64 {
-        match self {
-            Self::Second => 1.0,
-            Self::Millisecond => 1e-3,
-            Self::Microsecond => 1e-6,
-            Self::Nanosecond => 1e-9,
-        }
+        1.0 / self.per_second()
+    }
+
+    const fn per_second(self) -> f64 {
+        [1.0, 1e3, 1e6, 1e9][self as usize]
     }
 
     /// How it is written.
     pub const fn symbol(self) -> &'static str {
-        match self {
-            Self::Second => "s",
-            Self::Millisecond => "ms",
-            Self::Microsecond => "µs",
-            Self::Nanosecond => "ns",
-        }
+        if matches!(self, Self::Microsecond) { "µs" } else { self.key() }
     }
 }
 
@@ -171,47 +165,35 @@ impl RecordedAs {
         }
     }
 
-    /// Whether rows that lack a number are left out.
     pub(crate) fn drops_rows(&self) -> bool {
         self.drop == Some(DroppedRows::NotANumber)
     }
 
-    /// Whether a quantity is to be taken of the file.
     pub(crate) fn takes(&self, quantity: Quantity) -> bool {
         self.take.as_ref().is_none_or(|take| take.contains(&quantity))
     }
 
     pub(crate) fn validate(&self) -> Result<(), RecordingError> {
         if let Some(value) = self.rate_hz.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
-            let remedy = "it is rows per second, above zero";
-            return Err(RecordingError::InvalidOption { option: "rate_hz", value, remedy });
+            return Err(RecordingError::option("rate_hz", value, "it is rows per second, above zero"));
         }
         let lists =
             [("counts_per_revolution", &self.counts_per_revolution), ("gear_ratio", &self.gear_ratio)];
         for (option, list) in lists {
             let bad = list.iter().flatten().find(|v| !v.is_finite() || **v == 0.0);
             if let Some(value) = bad.copied() {
-                let remedy = "it must be finite and not zero";
-                return Err(RecordingError::InvalidOption { option, value, remedy });
+                return Err(RecordingError::option(option, value, "it must be finite and not zero"));
             }
         }
         Ok(())
     }
 
-    pub(crate) const fn time_factor(&self) -> Factor {
-        match self.time {
-            None | Some(TimeUnit::Second) => [1.0, 1.0],
-            Some(TimeUnit::Millisecond) => [1.0, 1e3],
-            Some(TimeUnit::Microsecond) => [1.0, 1e6],
-            Some(TimeUnit::Nanosecond) => [1.0, 1e9],
-        }
+    pub(crate) fn time_factor(&self) -> Factor {
+        [1.0, self.time.map_or(1.0, TimeUnit::per_second)]
     }
 
-    pub(crate) const fn current_factor(&self) -> Factor {
-        match self.current {
-            None | Some(CurrentUnit::Ampere) => [1.0, 1.0],
-            Some(CurrentUnit::Milliampere) => [1.0, 1e3],
-        }
+    pub(crate) fn current_factor(&self) -> Factor {
+        [1.0, if self.current == Some(CurrentUnit::Milliampere) { 1e3 } else { 1.0 }]
     }
 
     /// The factor of each joint's positions and velocities. The unit of angles is none of a joint that slides.

@@ -224,7 +224,6 @@ impl Recording {
         self.time_s.len()
     }
 
-    /// Memory that its numbers take, in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         let columns = 1 + self.families().map(Vec::len).sum::<usize>();
         8 * (columns * self.samples()) as u64

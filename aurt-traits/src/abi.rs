@@ -35,6 +35,8 @@ mod series;
 
 use std::ffi::{c_char, c_void};
 
+use crate::Slot;
+
 pub use export::declaration;
 
 /// First field of every declaration: `AURTPLUG` as eight little-endian bytes.
@@ -62,13 +64,13 @@ pub const FAILED: i32 = 1;
 pub const PANICKED: i32 = 2;
 
 /// [`ModelTable::slot`] of a Coulomb model.
-pub const COULOMB: u32 = 0;
+pub const COULOMB: u32 = Slot::Coulomb as u32;
 /// [`ModelTable::slot`] of a hysteresis model.
-pub const HYSTERESIS: u32 = 1;
+pub const HYSTERESIS: u32 = Slot::Hysteresis as u32;
 /// [`ModelTable::slot`] of a viscous model.
-pub const VISCOUS: u32 = 2;
+pub const VISCOUS: u32 = Slot::Viscous as u32;
 /// [`ModelTable::slot`] of an arm term.
-pub const ARM_TERM: u32 = 3;
+pub const ARM_TERM: u32 = Slot::ArmTerm as u32;
 
 /// [`ShapeDescription::scale`]: steps are differences.
 pub const LINEAR: u32 = 0;

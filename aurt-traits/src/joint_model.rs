@@ -96,23 +96,16 @@ pub trait ViscousBasis: JointModel {
     fn boxed_clone(&self) -> Box<dyn ViscousBasis>;
 }
 
-impl Clone for Box<dyn CoulombModel> {
-    fn clone(&self) -> Self {
-        (**self).boxed_clone()
-    }
+macro_rules! cloned_in_boxes {
+    ($($model:ident),+) => {
+        $(impl Clone for Box<dyn $model> {
+            fn clone(&self) -> Self {
+                (**self).boxed_clone()
+            }
+        })+
+    };
 }
-
-impl Clone for Box<dyn HysteresisModel> {
-    fn clone(&self) -> Self {
-        (**self).boxed_clone()
-    }
-}
-
-impl Clone for Box<dyn ViscousBasis> {
-    fn clone(&self) -> Self {
-        (**self).boxed_clone()
-    }
-}
+cloned_in_boxes!(CoulombModel, HysteresisModel, ViscousBasis);
 
 /// The joint dynamics of one joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇) (equation 6), as columns:
 /// every Coulomb column times every hysteresis column, each product with a coefficient of its own
@@ -177,6 +170,10 @@ impl JointStack {
         &*self.viscous
     }
 
+    fn models(&self) -> [&dyn JointModel; 3] {
+        [&*self.coulomb, &*self.hysteresis, &*self.viscous]
+    }
+
     /// The stack's coefficients, in column order.
     pub fn columns(&self) -> Vec<Parameter> {
         let hysteresis = self.hysteresis.columns();
@@ -194,10 +191,7 @@ impl JointStack {
 
     /// The shape parameters of the three models, Coulomb first.
     pub fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        let mut all = self.coulomb.shape_parameters();
-        all.extend(self.hysteresis.shape_parameters());
-        all.extend(self.viscous.shape_parameters());
-        all
+        self.models().into_iter().flat_map(JointModel::shape_parameters).collect()
     }
 
     /// Sets all shape parameters, in the order of [`Self::shape_parameters`].
@@ -205,9 +199,7 @@ impl JointStack {
     /// # Errors
     /// As the models' [`JointModel::set_shape`].
     pub fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        let c = self.coulomb.shape_parameters().len();
-        let h = self.hysteresis.shape_parameters().len();
-        let v = self.viscous.shape_parameters().len();
+        let [c, h, v] = self.models().map(|model| model.shape_parameters().len());
         if values.len() != c + h + v {
             return Err(ModelError::count("shape parameters of a joint", c + h + v, values.len()));
         }
@@ -218,10 +210,7 @@ impl JointStack {
 
     /// The state before the first sample of a series.
     pub fn initial_state(&self, first: &JointSeries<'_>) -> Vec<f64> {
-        let mut state = self.coulomb.initial_state(first);
-        state.extend(self.hysteresis.initial_state(first));
-        state.extend(self.viscous.initial_state(first));
-        state
+        self.models().into_iter().flat_map(|model| model.initial_state(first)).collect()
     }
 
     /// Writes all columns over the series and moves `state` to its end. Shapes: `out` has

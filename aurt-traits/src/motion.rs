@@ -51,16 +51,8 @@ impl Motion {
 
     /// The whole motion as a view.
     pub fn view(&self) -> MotionView<'_> {
-        MotionView {
-            joints: self.joints,
-            first: 0,
-            samples: self.samples(),
-            stride: self.samples(),
-            time_s: &self.time_s,
-            position_rad: &self.position_rad,
-            velocity_rad_s: &self.velocity_rad_s,
-            acceleration_rad_s2: &self.acceleration_rad_s2,
-        }
+        let series = [&*self.position_rad, &self.velocity_rad_s, &self.acceleration_rad_s2];
+        MotionView::from_strided(self.joints, self.samples(), &self.time_s, series)
     }
 }
 
@@ -72,9 +64,8 @@ pub struct MotionView<'a> {
     samples: usize,
     stride: usize,
     time_s: &'a [f64],
-    position_rad: &'a [f64],
-    velocity_rad_s: &'a [f64],
-    acceleration_rad_s2: &'a [f64],
+    /// Positions, velocities and accelerations.
+    series: [&'a [f64]; 3],
 }
 
 impl<'a> MotionView<'a> {
@@ -112,17 +103,17 @@ impl<'a> MotionView<'a> {
 
     /// Angles of one joint in rad.
     pub fn position_rad(&self, joint: usize) -> &'a [f64] {
-        self.of(self.position_rad, joint)
+        self.of(0, joint)
     }
 
     /// Velocities of one joint in rad/s.
     pub fn velocity_rad_s(&self, joint: usize) -> &'a [f64] {
-        self.of(self.velocity_rad_s, joint)
+        self.of(1, joint)
     }
 
     /// Accelerations of one joint in rad/s².
     pub fn acceleration_rad_s2(&self, joint: usize) -> &'a [f64] {
-        self.of(self.acceleration_rad_s2, joint)
+        self.of(2, joint)
     }
 
     /// The samples `range` of this view.
@@ -136,8 +127,7 @@ impl<'a> MotionView<'a> {
 
     /// Positions, velocities and accelerations of all joints, joint after joint, and the distance between two joints.
     pub(crate) fn strided(&self) -> (usize, [&'a [f64]; 3]) {
-        let of = |series: &'a [f64]| &series[self.first.min(series.len())..];
-        (self.stride, [of(self.position_rad), of(self.velocity_rad_s), of(self.acceleration_rad_s2)])
+        (self.stride, self.series.map(|series| &series[self.first.min(series.len())..]))
     }
 
     /// The reverse of [`Self::strided`].
@@ -145,15 +135,14 @@ impl<'a> MotionView<'a> {
         joints: usize,
         stride: usize,
         time_s: &'a [f64],
-        [position_rad, velocity_rad_s, acceleration_rad_s2]: [&'a [f64]; 3],
+        series: [&'a [f64]; 3],
     ) -> Self {
-        let samples = time_s.len();
-        Self { joints, first: 0, samples, stride, time_s, position_rad, velocity_rad_s, acceleration_rad_s2 }
+        Self { joints, first: 0, samples: time_s.len(), stride, time_s, series }
     }
 
-    fn of(&self, series: &'a [f64], joint: usize) -> &'a [f64] {
+    fn of(&self, series: usize, joint: usize) -> &'a [f64] {
         let start = joint * self.stride + self.first;
-        &series[start..start + self.samples]
+        &self.series[series][start..start + self.samples]
     }
 }
 

@@ -11,12 +11,13 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant};
 use std::{process, thread};
 
 use crate::output::target::{folder_of, meant};
 use crate::output::{STAGED, WriteError};
+use crate::protected::lock;
 
 const PART: &str = ".part";
 const LOCK: &str = "lock";
@@ -329,8 +330,4 @@ pub(crate) fn abandon_claims() {
         }
     }
     std::mem::forget(held);
-}
-
-fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

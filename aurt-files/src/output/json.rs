@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-/// Columns a line may take.
 const WIDTH: usize = 100;
 const INDENT: usize = 2;
 

@@ -27,8 +27,7 @@ mod target;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::{fs, io};
 
 use thiserror::Error;
@@ -36,10 +35,11 @@ use thiserror::Error;
 pub use crate::output::claim::{Claim, clear_unfinished, take_cleared};
 use crate::output::claim::{abandon_claims, make_folders};
 pub use crate::output::json::pretty;
-use crate::output::staging::{Published, Staged, sync_folder, write_special};
+use crate::output::staging::{Staged, sync_folder, write_special};
 pub use crate::output::staging::{StagedFolder, is_named_pipe, is_special};
 pub use crate::output::target::folder_of;
 use crate::output::target::meant;
+use crate::protected::lock;
 
 /// Beginning of the names of private folders.
 pub const STAGED: &str = ".aurt-";
@@ -133,10 +133,10 @@ pub fn write_outputs(outputs: &[Output<'_>]) -> Result<(), WriteError> {
     }
     publish(staged)?;
     made.keep();
-    let publishing = publishing();
+    let mut kept = lock(&KEPT);
     special.into_iter().try_for_each(|(path, contents)| {
         write_special(path, contents)?;
-        publishing.kept_one();
+        *kept += 1;
         Ok(())
     })
 }
@@ -183,23 +183,19 @@ impl Drop for MadeFolders {
 
 /// Renames staged files to their targets, all or none.
 fn publish(mut staged: Vec<Staged>) -> Result<(), WriteError> {
-    let publishing = publishing();
+    let mut kept = lock(&KEPT);
     if staged.len() > 1 {
         staged.iter_mut().try_for_each(Staged::keep_old)?;
     }
-    let mut published = Vec::new();
-    for one in staged {
-        match one.rename() {
-            Ok(done) => published.push(done),
-            Err(error) => {
-                published.into_iter().rev().for_each(Published::take_back);
-                return Err(error);
-            }
+    for k in 0..staged.len() {
+        if let Err(error) = staged[k].rename() {
+            staged.drain(..k).rev().for_each(Staged::take_back);
+            return Err(error);
         }
     }
-    published.iter().for_each(|_| publishing.kept_one());
-    drop(publishing);
-    let folders: BTreeSet<PathBuf> = published.iter().filter_map(Published::folder_to_sync).collect();
+    *kept += staged.len();
+    drop(kept);
+    let folders: BTreeSet<PathBuf> = staged.iter().filter_map(Staged::folder_to_sync).collect();
     folders.iter().for_each(|folder| sync_folder(folder));
     Ok(())
 }
@@ -243,13 +239,13 @@ fn write_new_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
         io::Write::write_all(&mut file, contents.as_ref()).and_then(|()| file.sync_data()).map_err(fail())?;
     }
     sync_folder(&staged);
-    let publishing = publishing();
+    let mut kept = lock(&KEPT);
     match fs::rename(&staged, folder) {
-        Ok(()) => files.iter().for_each(|_| publishing.kept_one()),
+        Ok(()) => *kept += files.len(),
         Err(_) if folder.is_dir() => return Ok(false),
         Err(error) => return Err(WriteError { path: folder.to_owned(), source: error }),
     }
-    drop(publishing);
+    drop(kept);
     sync_folder(parent);
     Ok(true)
 }
@@ -268,36 +264,19 @@ fn make_below(folder: &Path, name: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Held while finished files take their names; for good by an interrupted command.
-static PUBLISHING: Mutex<()> = Mutex::new(());
-/// Files that have taken their names.
-static KEPT: AtomicUsize = AtomicUsize::new(0);
-
-/// Held by whoever gives finished files their names: an interruption waits until all of them have theirs.
-#[derive(Debug)]
-struct Publishing {
-    _held: MutexGuard<'static, ()>,
-}
-
-/// Waits until nobody else publishes, or for ever if the command is being ended.
-fn publishing() -> Publishing {
-    Publishing { _held: PUBLISHING.lock().unwrap_or_else(PoisonError::into_inner) }
-}
-
-impl Publishing {
-    /// Notes that a file has its name.
-    fn kept_one(&self) {
-        KEPT.fetch_add(1, Ordering::Relaxed);
-    }
-}
+/// Files that have taken their names. Held while files take theirs, so that an interruption waits until all of them have them;
+/// for good by an interrupted command.
+static KEPT: Mutex<usize> = Mutex::new(0);
 
 /// Removes everything that is being written and lets nothing be published any more; for the end of an interrupted
 /// command, once: a second call waits for ever. Returns how many files had been written whole before.
 pub fn abandon() -> usize {
+    let publishing = lock(&KEPT);
+    let kept = *publishing;
     // Kept for good: whoever publishes from now on waits until the process ends.
-    std::mem::forget(publishing());
+    std::mem::forget(publishing);
     abandon_claims();
-    KEPT.load(Ordering::Relaxed)
+    kept
 }
 
 #[cfg(test)]

@@ -84,30 +84,16 @@ impl Staged {
         Ok(())
     }
 
-    /// Gives the contents their right name, with what there was before to be put back.
-    pub(crate) fn rename(self) -> Result<Published, WriteError> {
-        let Self { part, target, old, durability, claim } = self;
-        fs::rename(part, &target).map_err(WriteError::at(&target))?;
-        Ok(Published { target, old, durability, _claim: claim })
+    pub(crate) fn rename(&self) -> Result<(), WriteError> {
+        fs::rename(&self.part, &self.target).map_err(WriteError::at(&self.target))
     }
-}
 
-/// A file that has replaced another.
-#[derive(Debug)]
-pub(crate) struct Published {
-    target: PathBuf,
-    old: Option<PathBuf>,
-    durability: Durability,
-    _claim: Claim,
-}
-
-impl Published {
     /// The folder whose new names the disk has to keep.
     pub(crate) fn folder_to_sync(&self) -> Option<PathBuf> {
         (self.durability == Durability::Synced).then(|| folder_of(&self.target).to_owned())
     }
 
-    /// Puts things back as they were, as far as the file system still lets us.
+    /// Puts things back as they were before the renaming, as far as the file system still lets us.
     pub(crate) fn take_back(self) {
         let _ = match self.old {
             Some(old) => fs::rename(old, &self.target),

@@ -32,7 +32,6 @@ pub(super) struct Inner {
     viscous: Option<Box<dyn ViscousBasis>>,
 }
 
-/// The keys that name inner models.
 const SLOTS: [Slot; 3] = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous];
 
 fn names_inner(entry: &Entry) -> bool {

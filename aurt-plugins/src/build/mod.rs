@@ -33,10 +33,8 @@ mod sealed {
 
     /// What building needs of a model trait; private, so that nobody else fills a slot.
     pub trait Construct {
-        /// A statically linked model.
         fn from_linked(table: Tracked<'_>) -> Result<Box<Self>, Error>;
 
-        /// A model of a library, from its keys.
         fn from_library(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Box<Self>, Fault>;
 
         /// The models that it is made of, if it is made of such.
@@ -85,7 +83,6 @@ macro_rules! slot_model {
     };
 }
 
-/// What a joint model says of its configuration.
 fn joint_complaints(model: &(impl JointModel + ?Sized)) -> Vec<ModelError> {
     model.validate().err().unwrap_or_default()
 }
@@ -212,7 +209,6 @@ fn build<M: SlotModel + ?Sized>(
     if complaints.is_empty() { Ok(model) } else { Err(complaints) }
 }
 
-/// The library that a saved model is from.
 fn saved_library(plugin: &Value) -> LibraryListing {
     let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
     LibraryListing {

@@ -17,7 +17,6 @@ pub(crate) struct LibraryFile {
 }
 
 impl LibraryFile {
-    /// Reads a library.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
         let fail = |problem| Error::Library { path: path.to_owned(), problem };
         let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;

@@ -109,7 +109,6 @@ impl Instance {
         Ok(Self { model, config, pointer, described: Mutex::default(), guarded: AtomicUsize::new(0) })
     }
 
-    /// The same model with other shape parameters, as another instance.
     pub(crate) fn with_shape(&self, values: &[f64]) -> Result<Self, Fault> {
         let other = Self::create(self.model.clone(), self.config.clone())?;
         let function = self.model.table.functions.set_shape.ok_or_else(|| missing("set_shape"))?;

@@ -44,13 +44,10 @@ pub enum Error {
     /// The same at its place; lines and columns count from 1.
     #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
     ModelFile { path: PathBuf, line: usize, column: usize, reason: String, help: Option<String> },
-    /// Something cannot be written into a model file.
     #[error("{what} cannot be saved: {reason}")]
     Unsaved { what: String, reason: String },
-    /// A file could not be read.
     #[error("{path}: cannot be read: {source}", path = path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Write { path: PathBuf, source: std::io::Error },
 }

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
+use aurt_friction::conformance::joint::Slotted;
 use aurt_friction::conformance::{arm, joint};
-use aurt_plugins::{Node, Origin, Registry};
+use aurt_plugins::{Node, Origin, Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable, SerialChain};
 use aurt_traits::{ArmTerm, CoulombModel, HysteresisModel, Slot, ViscousBasis};
 
@@ -18,6 +19,15 @@ fn example(registry: &Registry, slot: Slot, name: &str) -> Node {
     Node::from(&serde_json::to_value(&table["model"]).unwrap())
 }
 
+fn check<M: SlotModel + ?Sized>(registry: &Registry, config: &Node, seed: u64)
+where
+    Box<M>: Slotted,
+{
+    let model = registry.build::<M>(config).unwrap();
+    joint::check(model.model(), seed).unwrap();
+    joint::check_shape(&model, seed).unwrap();
+}
+
 /// Checks every model of a library, made from its example; their number.
 fn check_all(library: &Path) -> usize {
     let registry = built::with(library);
@@ -29,21 +39,9 @@ fn check_all(library: &Path) -> usize {
         let config = example(&registry, listing.slot, &listing.name);
         for seed in SEEDS {
             match listing.slot {
-                Slot::Coulomb => {
-                    let model = registry.build::<dyn CoulombModel>(&config).unwrap();
-                    joint::check(&*model, seed).unwrap();
-                    joint::check_shape(&model, seed).unwrap();
-                }
-                Slot::Hysteresis => {
-                    let model = registry.build::<dyn HysteresisModel>(&config).unwrap();
-                    joint::check(&*model, seed).unwrap();
-                    joint::check_shape(&model, seed).unwrap();
-                }
-                Slot::Viscous => {
-                    let model = registry.build::<dyn ViscousBasis>(&config).unwrap();
-                    joint::check(&*model, seed).unwrap();
-                    joint::check_shape(&model, seed).unwrap();
-                }
+                Slot::Coulomb => check::<dyn CoulombModel>(&registry, &config, seed),
+                Slot::Hysteresis => check::<dyn HysteresisModel>(&registry, &config, seed),
+                Slot::Viscous => check::<dyn ViscousBasis>(&registry, &config, seed),
                 Slot::ArmTerm => {
                     let term = registry.build::<dyn ArmTerm>(&config).unwrap();
                     arm::check(&*term, &body, seed).unwrap();

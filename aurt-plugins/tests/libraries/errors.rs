@@ -202,32 +202,26 @@ fn problems(library: &Path, friction: &str) -> String {
 
 #[test]
 fn wrong_keys_of_a_rust_library_are_underlined() {
-    let shown = |table: &str| problems(&built::rust_example(), &format!("joint_dynamics.viscous = {table}"));
-    let example = "a working example: { model = \"eyring\", transition_velocity_rad_s = 0.5 }";
-    assert_eq!(
-        shown(r#"{ model = "eyring", transition_velocity_rad_s = "fast" }"#),
-        format!(
-            "e.toml:5:74: model `eyring`, key `transition_velocity_rad_s`: invalid type: string \"fast\", expected f64; \
-             {example}"
-        )
-    );
-    assert_eq!(
-        shown(r#"{ model = "eyring", transition_velocity = 1.0 }"#),
-        format!(
-            "e.toml:5:46: model `eyring`, key `transition_velocity`: unknown key `transition_velocity`, expected \
-             `transition_velocity_rad_s`; did you mean `transition_velocity_rad_s`? {example}"
-        )
-    );
-    assert_eq!(
-        shown(r#"{ model = "eyring", transition_velocity_rad_s = -1 }"#),
-        format!(
-            "e.toml:5:74: model `eyring`, key `transition_velocity_rad_s`: must be positive, is -1; {example}"
-        )
-    );
-    assert_eq!(
-        shown(r#"{ model = "eyring" }"#),
-        format!("e.toml:5:36: model `eyring`: missing key `transition_velocity_rad_s`; {example}")
-    );
+    for (keys, expected) in [
+        (
+            ", transition_velocity_rad_s = \"fast\"",
+            "74: model `eyring`, key `transition_velocity_rad_s`: invalid type: string \"fast\", expected f64;",
+        ),
+        (
+            ", transition_velocity = 1.0",
+            "46: model `eyring`, key `transition_velocity`: unknown key `transition_velocity`, expected \
+             `transition_velocity_rad_s`; did you mean `transition_velocity_rad_s`?",
+        ),
+        (
+            ", transition_velocity_rad_s = -1",
+            "74: model `eyring`, key `transition_velocity_rad_s`: must be positive, is -1;",
+        ),
+        ("", "36: model `eyring`: missing key `transition_velocity_rad_s`;"),
+    ] {
+        let friction = format!("joint_dynamics.viscous = {{ model = \"eyring\"{keys} }}");
+        let example = "a working example: { model = \"eyring\", transition_velocity_rad_s = 0.5 }";
+        assert_eq!(problems(&built::rust_example(), &friction), format!("e.toml:5:{expected} {example}"));
+    }
 }
 
 #[test]
@@ -242,23 +236,18 @@ fn an_arm_term_that_does_not_fit_the_robot_is_underlined() {
 #[test]
 fn wrong_keys_of_a_c_library_are_underlined() {
     let Some(library) = built::c_example() else { return };
-    let shown = |table: &str| problems(&library, &format!("joint_dynamics.hysteresis = {table}"));
-    let example = "a working example: { model = \"stop_c\", distance_rad = 0.01 }";
-    assert_eq!(
-        shown(r#"{ model = "stop_c", distance_rad = "far" }"#),
-        format!("e.toml:5:64: model `stop_c`, key `distance_rad`: expected a number; {example}")
-    );
-    assert_eq!(
-        shown(r#"{ model = "stop_c", distance = 1.0 }"#),
-        format!(
-            "e.toml:5:49: model `stop_c`, key `distance`: unknown key, expected `distance_rad`; \
-             did you mean `distance_rad`? {example}"
-        )
-    );
-    assert_eq!(
-        shown(r#"{ model = "stop_c", distance_rad = 0 }"#),
-        format!("e.toml:5:64: model `stop_c`, key `distance_rad`: must be positive, is 0; {example}")
-    );
+    for (key, expected) in [
+        ("distance_rad = \"far\"", "64: model `stop_c`, key `distance_rad`: expected a number;"),
+        (
+            "distance = 1.0",
+            "49: model `stop_c`, key `distance`: unknown key, expected `distance_rad`; did you mean `distance_rad`?",
+        ),
+        ("distance_rad = 0", "64: model `stop_c`, key `distance_rad`: must be positive, is 0;"),
+    ] {
+        let friction = format!("joint_dynamics.hysteresis = {{ model = \"stop_c\", {key} }}");
+        let example = "a working example: { model = \"stop_c\", distance_rad = 0.01 }";
+        assert_eq!(problems(&library, &friction), format!("e.toml:5:{expected} {example}"));
+    }
 }
 
 #[test]
@@ -273,16 +262,15 @@ fn every_complaint_of_a_c_library_is_reported() {
         "e.toml:5:56: model `faulty`, key `word`: has nothing to do with it\n\
          e.toml:5:72: model `faulty`, key `strength`: must not be negative, is -1.5"
     );
-    assert_eq!(
-        shown("list = [1, 2, true]"),
-        "e.toml:5:56: model `faulty`, key `list`: expected a list of numbers"
-    );
-    assert_eq!(
-        shown("list = [1, 2, 3, 4, 5]"),
-        "e.toml:5:56: model `faulty`, key `list`: has more than 4 numbers"
-    );
-    assert_eq!(shown("flag = 1"), "e.toml:5:56: model `faulty`, key `flag`: expected true or false");
-    assert_eq!(shown("word = 1"), "e.toml:5:56: model `faulty`, key `word`: expected a string");
+    for (key, value, expected) in [
+        ("list", "[1, 2, true]", "expected a list of numbers"),
+        ("list", "[1, 2, 3, 4, 5]", "has more than 4 numbers"),
+        ("flag", "1", "expected true or false"),
+        ("word", "1", "expected a string"),
+    ] {
+        let expected = format!("e.toml:5:56: model `faulty`, key `{key}`: {expected}");
+        assert_eq!(shown(&format!("{key} = {value}")), expected);
+    }
 }
 
 #[test]

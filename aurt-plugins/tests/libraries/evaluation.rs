@@ -108,21 +108,16 @@ fn robot(registry: &Registry, joints: usize) -> RobotModel {
     let rows = "0,0.5,0\n".repeat(joints);
     let table = MdhTable::parse(&format!("alpha,a,d\n{rows}"), "mdh.csv", MdhRows::Next).unwrap();
     let bodies = RigidBodyDynamics::from_mdh(&table, [0.0, -9.81, 0.0], 0).unwrap();
+    let [coulomb, hysteresis, viscous] = [
+        json!({ "model": "smooth_load", "rounding": 2.0 }),
+        json!({ "model": "stop", "distance_rad": 0.1 }),
+        json!({ "model": "eyring", "transition_velocity_rad_s": 0.5 }),
+    ];
     let stack = || {
-        JointStack::new(
-            registry
-                .build_from_json::<dyn CoulombModel>(&json!({ "model": "smooth_load", "rounding": 2.0 }))
-                .unwrap(),
-            registry
-                .build_from_json::<dyn HysteresisModel>(&json!({ "model": "stop", "distance_rad": 0.1 }))
-                .unwrap(),
-            registry
-                .build_from_json::<dyn ViscousBasis>(
-                    &json!({ "model": "eyring", "transition_velocity_rad_s": 0.5 }),
-                )
-                .unwrap(),
-        )
-        .unwrap()
+        let coulomb = registry.build_from_json::<dyn CoulombModel>(&coulomb).unwrap();
+        let hysteresis = registry.build_from_json::<dyn HysteresisModel>(&hysteresis).unwrap();
+        let viscous = registry.build_from_json::<dyn ViscousBasis>(&viscous).unwrap();
+        JointStack::new(coulomb, hysteresis, viscous).unwrap()
     };
     let term = json!({ "model": "dress_pack", "joints": [joints - 1, 0], "opposed": true, "label": "cable" });
     let terms = vec![registry.build_from_json::<dyn ArmTerm>(&term).unwrap()];

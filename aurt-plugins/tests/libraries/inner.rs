@@ -12,7 +12,8 @@ use crate::built;
 
 const EXPERIMENT: &str = include_str!("inner.toml");
 
-fn parse(folder: &std::path::Path, text: &str, registry: &mut Registry) -> Result<Experiment, String> {
+/// An experiment in a folder, with the example for LIBRARY.
+pub fn parse(folder: &std::path::Path, text: &str, registry: &mut Registry) -> Result<Experiment, String> {
     fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0.4,0\n").unwrap();
     fs::write(folder.join("a.csv"), "").unwrap();
     let text = text.replace("LIBRARY", &built::rust_example().to_string_lossy());

@@ -9,6 +9,7 @@ use aurt_traits::{HysteresisModel, ViscousBasis};
 use serde_json::json;
 
 use crate::built;
+use crate::inner::parse;
 
 const EXPERIMENT: &str = r#"
 schema = 1
@@ -20,10 +21,7 @@ recordings.calibration = "a.csv"
 "#;
 
 fn experiment(folder: &std::path::Path, registry: &mut Registry) -> Experiment {
-    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0.4,0\n").unwrap();
-    fs::write(folder.join("a.csv"), "").unwrap();
-    let text = EXPERIMENT.replace("LIBRARY", &built::rust_example().to_string_lossy());
-    Experiment::parse(&text, &folder.join("e.toml"), registry).unwrap()
+    parse(folder, EXPERIMENT, registry).unwrap()
 }
 
 #[test]

@@ -34,8 +34,8 @@ pub(crate) struct Place {
     pub translation_m: [f64; 3],
     /// The unit twist of the parent link's joint, carried to this joint but not yet turned by its angle: the same
     /// in every sample.
-    previous_omega: [f64; 3],
-    previous_velocity: [f64; 3],
+    pub previous_omega: [f64; 3],
+    pub previous_velocity: [f64; 3],
 }
 
 impl Place {
@@ -68,12 +68,6 @@ impl Place {
     pub fn translation_in_joint_m(&self) -> [f64; 3] {
         transpose_times(&self.rotation, self.translation_m)
     }
-
-    /// The unit twist of the previous joint, carried to this joint: angular velocity and velocity.
-    #[inline(always)]
-    pub const fn previous_twist(&self) -> ([f64; 3], [f64; 3]) {
-        (self.previous_omega, self.previous_velocity)
-    }
 }
 
 #[inline(always)]
@@ -81,7 +75,6 @@ fn transpose_times(r: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| r[0][c] * v[0] + r[1][c] * v[1] + r[2][c] * v[2])
 }
 
-/// Sine and cosine of a joint's angle in the lanes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Angle<T> {
     sine: T,
@@ -89,7 +82,6 @@ pub(super) struct Angle<T> {
 }
 
 impl<T: Lanes> Angle<T> {
-    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { sine: T::splat(0.0), cosine: T::splat(0.0) }
@@ -137,7 +129,6 @@ pub(super) struct LinkMotion<T> {
 }
 
 impl<T: Lanes> LinkMotion<T> {
-    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         let zero = [T::splat(0.0); 3];
@@ -177,14 +168,12 @@ pub(super) struct Derived<T> {
 /// The velocity that a joint's unit velocity gives to a link frame, in that frame's coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Twist<T> {
-    /// Angular velocity.
     pub omega: Vector<T>,
     /// Velocity of the frame's origin.
     pub velocity: Vector<T>,
 }
 
 impl<T: Lanes> Twist<T> {
-    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { omega: [T::splat(0.0); 3], velocity: [T::splat(0.0); 3] }
@@ -231,7 +220,6 @@ pub(super) fn first_link<T: Lanes>(
     });
 }
 
-/// Moves on to the motion of the next link, across the joint at `place`.
 #[inline(always)]
 pub(super) fn next_link<T: Lanes>(
     place: &Place,
@@ -265,7 +253,6 @@ pub(super) fn next_link<T: Lanes>(
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JointLanes<T> {
-    /// The joint's angles.
     pub angles: [Angle<T>; GROUP],
     /// In the link frame at work, the unit twists of that joint of the link's path which stands at this place in it; in
     /// a chain, of this joint.
@@ -273,7 +260,6 @@ pub(super) struct JointLanes<T> {
 }
 
 impl<T: Lanes> JointLanes<T> {
-    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { angles: [Angle::zero(); GROUP], twists: [Twist::zero(); GROUP] }

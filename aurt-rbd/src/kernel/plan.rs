@@ -96,7 +96,6 @@ impl<'a> Plan<'a> {
         );
     }
 
-    /// Whether there is nothing to write.
     pub fn is_empty(&self) -> bool {
         self.samples == 0 || self.largest_offset.is_none()
     }

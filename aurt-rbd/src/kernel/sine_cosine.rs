@@ -53,7 +53,6 @@ pub(crate) fn sine_cosine<T: Lanes>(x: T) -> (T, T) {
     )
 }
 
-/// [`sine_cosine`] of one angle.
 pub(crate) fn sine_cosine_of(x: f64) -> (f64, f64) {
     let (sine, cosine) = sine_cosine(Plain2::splat(x));
     (sine.first(), cosine.first())

@@ -10,7 +10,6 @@ fn slide<T: Lanes>([ox, oy, _]: &Vector<T>, v: &Vector<T>, slid: T) -> Vector<T>
     [oy.mul_add(slid, v[0]), ox.neg_mul_add(slid, v[1]), v[2]]
 }
 
-/// The motion of the first link, on a base at rest.
 #[inline(always)]
 pub(super) fn slide_first_link<T: Lanes>(
     gravity_m_s2: [f64; 3],
@@ -60,7 +59,6 @@ pub(super) fn slide_next_link<T: Lanes>(
     }
 }
 
-/// Carries the twists of `joints` from the previous link frame into the next.
 #[inline(always)]
 pub(super) fn slide_carry<T: Lanes>(
     joints: &mut [JointLanes<T>],
@@ -79,7 +77,6 @@ pub(super) fn slide_carry<T: Lanes>(
     }
 }
 
-/// The twists of the joint before this one, carried across the latter.
 #[inline(always)]
 pub(super) fn slide_carry_previous<T: Lanes>(
     previous: &mut JointLanes<T>,
@@ -87,7 +84,7 @@ pub(super) fn slide_carry_previous<T: Lanes>(
     rates: &Rates<'_>,
     group: &[usize],
 ) {
-    let ([ox, oy, oz], [vx, vy, vz]) = place.previous_twist();
+    let ([ox, oy, oz], [vx, vy, vz]) = (place.previous_omega, place.previous_velocity);
     let omega = [T::splat(ox), T::splat(oy), T::splat(oz)];
     let velocity = [T::splat(vx), T::splat(vy), T::splat(vz)];
     for (twist, first) in previous.twists.iter_mut().zip(group) {

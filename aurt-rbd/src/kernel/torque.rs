@@ -89,7 +89,6 @@ fn torque_lanes<T: Lanes>(
     }
 }
 
-/// As many samples as there are lanes, from each of the samples `group` on.
 #[inline(always)]
 fn torque_group<T: Lanes>(
     plan: &Plan<'_>,

@@ -106,7 +106,6 @@ pub(crate) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// The file of an element.
     pub fn of(root: Node<'_, '_>, path: &'a Path) -> Self {
         let text = root.document().input_text();
         let after = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
@@ -140,7 +139,6 @@ impl<'a, 'x> Element<'a, 'x> {
         Some(Element { node, what: format!("{}, <{name}>", self.what), source: self.source })
     }
 
-    /// A complaint about this element.
     pub fn error(&self, reason: impl Into<String>) -> RobotError {
         RobotError::Element {
             path: self.source.path.into(),

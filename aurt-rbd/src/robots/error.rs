@@ -18,10 +18,8 @@ impl From<RobotError> for RobotErrors {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum RobotError {
-    /// The file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
-    /// The file is no well-formed XML.
     #[error("{}:{line}: {reason}", path.display())]
     Xml { path: PathBuf, line: u32, reason: String },
     #[error(
@@ -29,7 +27,6 @@ pub enum RobotError {
          expand it with `xacro {} > robot.urdf` (`pip install xacro`) and name the result", path.display(), path.display()
     )]
     Xacro { path: PathBuf, line: u32, text: String },
-    /// An element does not say what it must.
     #[error("{}:{line}: {what}: {reason}", path.display())]
     Element {
         path: PathBuf,
@@ -38,10 +35,8 @@ pub enum RobotError {
         what: String,
         reason: String,
     },
-    /// Links and joints are no tree.
     #[error("{}: {reason}", path.display())]
     NoTree { path: PathBuf, reason: String },
-    /// A base or tip that is no link, or a joint that is not there.
     #[error(
         "{}: there is no {kind} `{name}` for {which}{}; {kind}s: {}",
         path.display(), meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", ")
@@ -57,7 +52,6 @@ pub enum RobotError {
         /// The names of the file, or the first of many.
         known: Box<[String]>,
     },
-    /// More joints than any robot has.
     #[error(
         "{}: {joints} joints move, of at most {most}; choose a part of the robot by `base` and `tip`, `tips` or `joints` \
          (--base, --tip, --tips on the command line)", path.display()
@@ -68,7 +62,6 @@ pub enum RobotError {
         joints: usize,
         most: usize,
     },
-    /// Base and tip are there, but there is no chain of moving joints from one to the other.
     #[error("{}: {reason}", path.display())]
     NoChain { path: PathBuf, reason: String },
 }

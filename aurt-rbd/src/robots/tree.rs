@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use crate::robots::pose::{Body, Pose};
 use crate::robots::{JointFriction, JointLimits};
 
-/// Links and the joints between them, as a file has them.
 #[derive(Debug)]
 pub(crate) struct Tree {
     pub path: PathBuf,
@@ -48,9 +47,7 @@ pub(crate) struct BodyPlace {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Freedom {
     Fixed,
-    /// It turns about the axis.
     Turns(Vector3<f64>),
-    /// It slides along the axis.
     Slides(Vector3<f64>),
     /// Anything else, by the file's own name.
     Other(String),

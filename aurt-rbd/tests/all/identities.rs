@@ -15,7 +15,6 @@ fn close(a: &[f64], b: &[f64], tolerance: f64, scale: f64) -> Result<(), TestCas
     Ok(())
 }
 
-/// A matrix, row after row, times a vector.
 fn times(matrix: &[f64], vector: &[f64]) -> Vec<f64> {
     matrix.chunks_exact(vector.len()).map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum()).collect()
 }

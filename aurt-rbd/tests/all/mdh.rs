@@ -10,7 +10,6 @@ fn errors(text: &str) -> Vec<MdhError> {
     MdhTable::parse(text, "robot/mdh.csv", MdhRows::Next).unwrap_err().0
 }
 
-/// The errors of a table as a person reads them.
 fn messages(text: &str) -> String {
     MdhTable::parse(text, "robot/mdh.csv", MdhRows::Next).unwrap_err().to_string()
 }

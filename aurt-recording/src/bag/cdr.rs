@@ -6,7 +6,6 @@
 pub(super) const MOST_OF_MESSAGE: usize = 1000;
 const MOST_NAME_BYTES: usize = 512;
 
-/// Why a message is refused.
 pub(super) const BREAKS_OFF: &str = "it is truncated";
 pub(super) const TOO_MANY: &str = "it has more than 1000 joints, or a name of more than 512 bytes";
 
@@ -14,13 +13,11 @@ pub(super) const TOO_MANY: &str = "it has more than 1000 joints, or a name of mo
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CdrBody<'a> {
     bytes: &'a [u8],
-    /// Place of what comes next.
     pub(super) at: usize,
     big_endian: bool,
 }
 
 impl<'a> CdrBody<'a> {
-    /// The body of a message.
     pub(super) fn of(message: &'a [u8]) -> Result<Self, &'static str> {
         let (encapsulation, bytes) = message.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {
@@ -31,7 +28,6 @@ impl<'a> CdrBody<'a> {
         Ok(Self { bytes, at: 0, big_endian })
     }
 
-    /// The same body from another place on.
     pub(super) const fn from(self, at: usize) -> Self {
         Self { at, ..self }
     }

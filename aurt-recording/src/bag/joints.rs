@@ -43,7 +43,6 @@ pub(super) struct Joints<'a> {
     passed_over: usize,
     /// Messages with a value that is not finite, and which of the first.
     not_finite: (usize, String),
-    /// The joints beside the robot's chain.
     branches: Vec<BranchTrack>,
     /// The names that `beside` is for, as they are written.
     beside_of: Vec<u8>,
@@ -152,7 +151,6 @@ impl<'a> Joints<'a> {
         Ok(joints)
     }
 
-    /// Names of the joints in the order of the rows.
     pub(super) fn names(&self) -> &[String] {
         &self.names
     }

@@ -9,7 +9,6 @@ use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
-/// Reads the joint states of a bag, whose files follow each other.
 pub(super) fn read(
     memory: Memory<'_>,
     files: Vec<Box<dyn Container + '_>>,

@@ -14,12 +14,10 @@ pub(super) const RECORD_LIMIT: u64 = 1 << 28;
 /// Bytes of the name of a topic, a type or an encoding that are kept; ROS allows 255.
 const MOST_NAME_BYTES: usize = 512;
 
-/// A name of a topic, a type or an encoding.
 pub(super) fn name_of(bytes: &[u8]) -> String {
     String::from_utf8_lossy(&bytes[..bytes.len().min(MOST_NAME_BYTES)]).into_owned()
 }
 
-/// An open file of messages.
 pub(super) trait Container {
     fn kind(&self) -> &'static str;
 
@@ -41,7 +39,6 @@ pub(super) enum Scan<'a> {
     Messages(&'a [u64]),
 }
 
-/// The records of a file in their order.
 pub(super) trait Records {
     /// Hands the next record to `take`; false at the end.
     fn next(&mut self, take: &mut dyn FnMut(Record<'_>)) -> Result<bool, Ending>;
@@ -59,7 +56,6 @@ pub(super) enum Record<'a> {
 /// Why reading ended before the file said so.
 #[derive(Debug)]
 pub(super) enum Ending {
-    /// The file stops in the middle.
     BreaksOff,
     Wrong(String),
 }

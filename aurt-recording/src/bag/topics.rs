@@ -7,11 +7,9 @@ use crate::error::RecordingError;
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
-/// Type of the messages of planned motions.
 const JOINT_TRAJECTORY: &str = "trajectory_msgs/msg/JointTrajectory";
 const USUAL: &str = "/joint_states";
 
-/// A topic whose messages are read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Topic {
     pub(super) name: String,

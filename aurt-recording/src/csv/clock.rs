@@ -20,7 +20,6 @@ impl Clock {
 }
 
 impl Search<'_> {
-    /// The time stamps by their usual names.
     pub(super) fn find_time(&self, families: &Families) -> Result<Clock, RecordingError> {
         let one = |name: &str| match families.unnumbered(name).as_slice() {
             [] => Ok(None),
@@ -108,7 +107,6 @@ impl Search<'_> {
         Some(velocity)
     }
 
-    /// Says where currents are in a unit of the drive.
     pub(super) fn remark_on_drive(&self, measurement: Option<&[usize]>, remarks: &mut Vec<String>) {
         let Some(columns) = measurement else { return };
         if families::DRIVE_UNITS.contains(&self.family_of(columns).as_str()) {

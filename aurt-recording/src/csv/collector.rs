@@ -29,7 +29,6 @@ pub(super) struct Collector<'a> {
     /// For each place in a row the magnitude that its values cannot exceed.
     limits: Vec<f64>,
     series: Vec<Vec<f64>>,
-    /// Line of each row kept.
     lines: Vec<u32>,
     rows: usize,
     dropped: Vec<Dropped>,
@@ -62,7 +61,6 @@ struct Dropped {
     reason: Reason,
 }
 
-/// Why a row cannot be true.
 enum Reason {
     Absurd(f64),
     TimeBack { stamp: f64, before: f64 },
@@ -76,7 +74,6 @@ fn shown(line: usize) -> u32 {
 }
 
 impl<'a> Collector<'a> {
-    /// A collector of the selected columns, with room for about `rows` rows.
     pub(super) fn new(selected: &'a Selected, options: &ReadOptions, rows: usize) -> Self {
         let mut limits = vec![TIME_LIMIT_S];
         limits.extend(selected.position.iter().map(|_| options.position_limit_rad));
@@ -146,7 +143,6 @@ impl<'a> Collector<'a> {
         self.place(whole, line);
     }
 
-    /// Puts a row where its stamp belongs.
     fn place(&mut self, row: &mut [f64], line: usize) {
         let stamp = row[0];
         let time = &self.series[0];
@@ -433,7 +429,6 @@ const GAP_S: f64 = 1.0;
 
 #[derive(Default)]
 pub(super) struct Late {
-    /// Each with its line.
     pub(super) rows: Vec<(Vec<f64>, usize)>,
 }
 

@@ -52,7 +52,7 @@ pub(super) const COUNTS: [&str; 1] = ["present_position"];
 /// Motor currents in units of the drive, which no name tells.
 pub(super) const DRIVE_UNITS: [&str; 2] = ["present_current", "macur_a"];
 
-/// Prefixes of joint positions, the preferred first.
+/// Prefixes of joint positions, the preferred first as in the lists that follow.
 pub(super) const POSITION: [&str; 15] = [
     "actual_q",
     "q",
@@ -71,7 +71,6 @@ pub(super) const POSITION: [&str; 15] = [
     "present_position",
 ];
 
-/// Prefixes of joint velocities, the preferred first.
 pub(super) const VELOCITY: [&str; 13] = [
     "actual_qd",
     "qd",
@@ -88,7 +87,6 @@ pub(super) const VELOCITY: [&str; 13] = [
     "realtime_joint_speeds",
 ];
 
-/// Prefixes of motor currents, the preferred first.
 pub(super) const CURRENT: [&str; 11] = [
     "actual_current",
     "current",
@@ -103,7 +101,6 @@ pub(super) const CURRENT: [&str; 11] = [
     "present_current",
 ];
 
-/// Prefixes of joint torques, the preferred first.
 pub(super) const TORQUE: [&str; 16] = [
     "actual_torque",
     "torque",

@@ -1,6 +1,5 @@
 use crate::csv::dialect::{Dialect, parse_number};
 
-/// The names of a file's columns.
 #[derive(Debug)]
 pub(super) struct Header {
     /// Names as written, without quotes; empty if the file has no header line.

@@ -14,9 +14,7 @@ pub(super) struct Lines<R> {
     ended: bool,
 }
 
-/// A line without its end.
 pub(super) struct Line<'a> {
-    /// Number of the line, from 1.
     pub(super) number: usize,
     /// Its bytes, without line feed and carriage return.
     pub(super) bytes: &'a [u8],
@@ -29,7 +27,6 @@ impl<R: Read> Lines<R> {
         Self { source: BufReader::with_capacity(CHUNK, source), buffer: Vec::new(), number: 0, ended: false }
     }
 
-    /// The next line, or `None` after the last.
     pub(super) fn next(&mut self) -> io::Result<Option<Line<'_>>> {
         if self.ended {
             return Ok(None);

@@ -134,7 +134,6 @@ impl Reader<'_> {
         Ok(None)
     }
 
-    /// Parses a line and hands its row to the collector.
     fn take(
         &self,
         parser: &RowParser,
@@ -220,7 +219,6 @@ fn remedy_for(text: &str) -> &'static str {
     }
 }
 
-/// Whether a line is neither blank nor a comment.
 fn is_content(line: &[u8]) -> bool {
     line.trim_ascii_start().first().is_some_and(|b| *b != b'#')
 }

@@ -30,7 +30,6 @@ impl RowParser {
         Self { dialect, places, optional: wanted.len() - optional }
     }
 
-    /// Writes the wanted cells of `line` to `row`.
     pub(super) fn parse(&self, line: &[u8], row: &mut [f64]) -> Result<(), RowProblem> {
         if self.parse_plain(line, row).is_some() { Ok(()) } else { self.parse_carefully(line, row) }
     }

@@ -46,7 +46,6 @@ impl<'a> Table<'a> {
         self.selected.all()
     }
 
-    /// The column of the time stamps, if they are read.
     pub(crate) const fn time(&self) -> Option<usize> {
         self.selected.time
     }
@@ -55,7 +54,6 @@ impl<'a> Table<'a> {
         self.selected.joints = joints;
     }
 
-    /// Adds what a person should know.
     pub(crate) fn remark(&mut self, remark: String) {
         self.selected.remarks.push(remark);
     }

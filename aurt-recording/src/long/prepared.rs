@@ -83,7 +83,7 @@ impl LongRecording {
         options.validate(self.joints)?;
         if let Some(value) = options.delay_s.iter().flatten().copied().find(|d| *d != 0.0) {
             let remedy = "delays need a recording that is read whole";
-            return Err(RecordingError::InvalidOption { option: "delay_s", value, remedy });
+            return Err(RecordingError::option("delay_s", value, remedy));
         }
         self.spill.finish().map_err(|source| self.failed(source))?;
         let Uniform { rate_hz, runs, spans_s, max_gap_s, report: clock } = Uniform::of(&self, options)?;

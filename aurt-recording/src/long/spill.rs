@@ -13,7 +13,6 @@ pub(super) struct Spill {
 }
 
 impl Spill {
-    /// An empty file for rows of `width` numbers.
     pub(super) fn new(width: usize) -> io::Result<Self> {
         let file = tempfile::tempfile()?;
         let reader = Mutex::new(file.try_clone()?);

@@ -12,7 +12,6 @@ pub enum Interpolator {
 /// Where the samples of a grid lie between the stamps of a recording, as shares of the distance of stamps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interpolation {
-    /// Rate of the recording, Hz.
     rate_hz: f64,
     /// The grid's samples by their place between two stamps, in bins: share and mean place. Empty where the grid is
     /// the recording's own.

@@ -24,7 +24,6 @@ const PAGE_LIMIT: u64 = 1 << 28;
 /// Numbers that a page may have.
 const MOST_VALUES: u64 = 1 << 24;
 
-/// Why a column cannot be read on.
 #[derive(Debug)]
 pub(super) enum Problem {
     /// It ends before it should, or its bytes cannot be what they claim.
@@ -33,8 +32,10 @@ pub(super) enum Problem {
     Unknown(String),
     /// A page that would take too much memory.
     TooLarge(RecordingError),
-    /// Lists of different lengths.
-    Lengths { expected: usize, found: usize },
+    Lengths {
+        expected: usize,
+        found: usize,
+    },
 }
 
 impl From<ParquetError> for Problem {
@@ -62,7 +63,6 @@ pub(super) struct Column<'a> {
     open: u64,
     leaf: Leaf,
     metadata: &'a ParquetMetaData,
-    /// The group that is read next.
     group: usize,
     reader: Option<ColumnReader>,
     values: Vec<f64>,
@@ -130,7 +130,6 @@ impl<'a> Column<'a> {
         Ok(())
     }
 
-    /// Reads a page of numbers; false after the last.
     fn page(&mut self) -> Result<bool, Problem> {
         const FAILED: &str = "its bytes are none that can be decoded";
         loop {

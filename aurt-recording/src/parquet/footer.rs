@@ -10,7 +10,6 @@ const DEEPEST: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     Stored,
-    /// Integers without sign.
     Unsigned,
     /// Moments since 1970 in parts of a second, given in seconds from `origin` on.
     Stamp {

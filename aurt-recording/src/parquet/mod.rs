@@ -49,7 +49,6 @@ pub const PARQUET: RecordingFormat = RecordingFormat {
     },
 };
 
-/// Reads the footer, which is at the end of the file.
 fn footer(input: &RecordingInput<'_>, memory: Memory<'_>) -> Result<ParquetMetaData, RecordingError> {
     let refused =
         |reason: &str, remedy: &str| RecordingError::malformed(input.path, "its footer", reason, remedy);

@@ -81,11 +81,9 @@ pub fn preprocess(
     let clock = Clock::judge(&merged, options, counts)?;
     let decimation = Decimation::new(options.f_dyn_hz, 1.0 / clock.rate_hz);
     if decimation.exact > COARSEST_DECIMATION {
-        return Err(RecordingError::InvalidOption {
-            option: "f_dyn_hz",
-            value: options.f_dyn_hz,
-            remedy: "so low a frequency leaves less than one row in a hundred thousand samples; give it in Hz",
-        });
+        let remedy =
+            "so low a frequency leaves less than one row in a hundred thousand samples; give it in Hz";
+        return Err(RecordingError::option("f_dyn_hz", options.f_dyn_hz, remedy));
     }
     let grid = (clock.rate_hz, clock.resample, clock.max_gap_s);
     let of = (recording.file.as_path(), recording.samples(), recording.joints());
@@ -137,41 +135,22 @@ fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed
     (samples < needed).then_some(Refusal::Short { samples, needed, after: " between gaps" })
 }
 
-#[derive(Clone, Copy)]
-pub(crate) enum Which {
-    Position,
-    Parallel,
-}
-
+/// The filter of a name with the cut-off that an option has `set`, or else with that multiple of f_dyn.
 pub(crate) fn filter(
     file: &Path,
-    options: &PreprocessOptions,
-    rate_hz: f64,
-    which: Which,
+    [f_dyn_hz, rate_hz]: [f64; 2],
+    (name, option): (&'static str, &str),
+    set: Option<f64>,
+    multiple: f64,
 ) -> Result<ZeroPhase, RecordingError> {
-    let (name, option, set, cutoff_hz, multiple) = match which {
-        Which::Position => (
-            "position filter's",
-            "position_cutoff_hz",
-            options.position_cutoff_hz.is_some(),
-            options.effective_position_cutoff_hz(),
-            5.0,
-        ),
-        Which::Parallel => (
-            "parallel filter's",
-            "parallel_cutoff_hz",
-            options.parallel_cutoff_hz.is_some(),
-            options.effective_parallel_cutoff_hz(),
-            2.0,
-        ),
-    };
+    let cutoff_hz = set.unwrap_or(multiple * f_dyn_hz);
     let highest_hz = CUTOFF_RANGE[1] * rate_hz / 2.0;
     if cutoff_hz <= highest_hz {
         return ZeroPhase::butterworth(FILTER_ORDER, cutoff_hz, rate_hz);
     }
     // With default cut-offs the position filter is the first to reach the Nyquist frequency.
-    let largest_f_dyn_hz = highest_hz / if set { multiple } else { 5.0 };
-    let mut remedy = if set {
+    let largest_f_dyn_hz = highest_hz / if set.is_some() { multiple } else { 5.0 };
+    let mut remedy = if set.is_some() {
         format!("{option} can be at most {} Hz", rounded_down(highest_hz))
     } else {
         format!(

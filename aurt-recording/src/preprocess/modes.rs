@@ -45,7 +45,6 @@ pub(super) struct ModeGroup {
 pub(super) type State = [Complex; 2];
 
 impl Modes {
-    /// The modes of a filter, for blocks of `factor` samples.
     pub(super) fn new(design: &Butterworth, factor: usize) -> Self {
         let poles = design.poles.clone();
         let residues: Vec<Complex> = poles

@@ -111,7 +111,6 @@ impl PreprocessOptions {
     /// # Errors
     /// [`RecordingError::InvalidOption`], [`RecordingError::Count`].
     pub fn validate(&self, joints: usize) -> Result<(), RecordingError> {
-        let positive = "it must be a positive number";
         let single = [
             ("f_dyn_hz", Some(self.f_dyn_hz)),
             ("sample_rate_hz", self.sample_rate_hz),
@@ -121,13 +120,13 @@ impl PreprocessOptions {
         ];
         for (option, value) in single {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-                return Err(RecordingError::InvalidOption { option, value, remedy: positive });
+                return Err(RecordingError::option(option, value, "it must be a positive number"));
             }
         }
         let value = self.rest_velocity_rad_s;
         if !(value.is_finite() && value >= 0.0) {
             let remedy = "it must be zero or a positive number";
-            return Err(RecordingError::InvalidOption { option: "rest_velocity_rad_s", value, remedy });
+            return Err(RecordingError::option("rest_velocity_rad_s", value, remedy));
         }
         let per_joint = [("gains", &self.gains), ("offsets", &self.offsets), ("delay_s", &self.delay_s)];
         for (option, values) in per_joint {
@@ -140,13 +139,15 @@ impl PreprocessOptions {
                 ));
             }
             if let Some(value) = values.iter().copied().find(|v| !v.is_finite()) {
-                let remedy = "it must be a finite number for every joint";
-                return Err(RecordingError::InvalidOption { option, value, remedy });
+                return Err(RecordingError::option(
+                    option,
+                    value,
+                    "it must be a finite number for every joint",
+                ));
             }
         }
         if let Some(value) = self.gains.iter().flatten().copied().find(|g| *g == 0.0) {
-            let remedy = "a gain of zero would erase the measurement";
-            return Err(RecordingError::InvalidOption { option: "gains", value, remedy });
+            return Err(RecordingError::option("gains", value, "a gain of zero would erase the measurement"));
         }
         Ok(())
     }

@@ -6,12 +6,12 @@ use aurt_traits::Motion;
 use crate::error::RecordingError;
 use crate::preprocess::bank::ZeroPhaseBank;
 use crate::preprocess::clock::ClockReport;
+use crate::preprocess::filter;
 use crate::preprocess::options::{Decimation, PreprocessOptions};
 use crate::preprocess::report::{PreprocessReport, Refusal, SegmentReport};
 use crate::preprocess::resample::{grid, linear, smooth};
 use crate::preprocess::span::{Memory, inner_acceleration, velocity};
 use crate::preprocess::zero_phase::ZeroPhase;
-use crate::preprocess::{Which, filter};
 use crate::recording::Recording;
 
 /// A stretch of a recording without gaps, ready for a regressor.
@@ -161,13 +161,16 @@ impl Plan {
     ) -> Result<(Self, PreprocessReport), RecordingError> {
         let (file, samples, joints) = recording;
         let decimation = Decimation::new(options.f_dyn_hz, 1.0 / rate_hz);
+        let rates_hz = [options.f_dyn_hz, rate_hz];
+        let (position, parallel) =
+            (("position filter's", "position_cutoff_hz"), ("parallel filter's", "parallel_cutoff_hz"));
         let plan = Self {
             options: options.clone(),
             rate_hz,
             resample,
             decimation: decimation.factor,
-            position_filter: filter(file, options, rate_hz, Which::Position)?,
-            parallel_filter: filter(file, options, rate_hz, Which::Parallel)?,
+            position_filter: filter(file, rates_hz, position, options.position_cutoff_hz, 5.0)?,
+            parallel_filter: filter(file, rates_hz, parallel, options.parallel_cutoff_hz, 2.0)?,
         };
         let report = PreprocessReport {
             file: file.to_owned(),

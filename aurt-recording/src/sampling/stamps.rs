@@ -10,7 +10,6 @@ use crate::recording::Recording;
 pub(crate) const LOGGED_HZ: [f64; 2] = [5.0, 20_000.0];
 /// No joint of an arm moves this fast, in rad/s or m/s.
 const IMPOSSIBLE_SPEED: f64 = 50.0;
-/// Spans that speeds are taken over.
 const SPANS: usize = 256;
 /// How far measured velocities may be off a power of ten.
 const VELOCITY_TOLERANCE: f64 = 0.1;

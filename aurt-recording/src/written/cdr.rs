@@ -9,7 +9,6 @@ pub(super) struct CdrWriter {
 }
 
 impl CdrWriter {
-    /// Appends an integer of 32 bits.
     pub(super) fn word(&mut self, word: u32) {
         self.align(4);
         self.body.extend(word.to_le_bytes());

@@ -8,10 +8,10 @@ use std::{ptr, slice};
 
 use super::instance::{Instance, c_string};
 use super::{
-    ABI_MAJOR, ABI_MINOR, ARM_TERM, COULOMB, Declaration, Description, ErrorBuffer, FAILED, HYSTERESIS,
-    MAGIC, ModelTable, OK, PANICKED, Series, VISCOUS,
+    ABI_MAJOR, ABI_MINOR, Declaration, Description, ErrorBuffer, FAILED, MAGIC, ModelTable, OK, PANICKED,
+    Series,
 };
-use crate::{Columns, ModelEntry, Slot};
+use crate::{Columns, ModelEntry};
 
 /// A declaration that may be shared: everything that it points to is constant and lives as long as the process.
 struct Shared(Declaration);
@@ -36,12 +36,7 @@ fn declare(name: &'static str, version: &'static str) -> Shared {
         .into_iter()
         .filter(|entry| entry.origin == name)
         .map(|entry| ModelTable {
-            slot: match entry.slot {
-                Slot::Coulomb => COULOMB,
-                Slot::Hysteresis => HYSTERESIS,
-                Slot::Viscous => VISCOUS,
-                Slot::ArmTerm => ARM_TERM,
-            },
+            slot: entry.slot as u32,
             reserved: 0,
             name: leaked(entry.name),
             summary: leaked(entry.summary),

@@ -13,11 +13,10 @@ use super::{
     Series, ShapeDescription, VISCOUS,
 };
 use crate::{
-    ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, ModelError, Parameter, Scale,
+    ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, ModelError, Parameter, Scale,
     ShapeParameter, ViscousBasis,
 };
 
-/// What an instance pointer leads to.
 pub(super) struct Instance {
     model: Model,
     /// What the last description points to.
@@ -138,10 +137,8 @@ impl Instance {
             Ok(model) => model.initial_state(&unsafe { first.as_joint() }),
             Err(term) => {
                 let bodies = NoBodies { joints: first.joints };
-                // SAFETY: the caller promises it.
-                let (motion, load_torque) = unsafe { first.as_arm() };
-                let load_stride = first.load_stride;
-                term.initial_state(&ArmSeries { motion, load_torque, load_stride, rigid_body: &bodies })
+                // SAFETY: as above.
+                term.initial_state(&unsafe { first.as_arm(&bodies) })
             }
         }
     }
@@ -159,11 +156,8 @@ impl Instance {
             Ok(model) => model.evaluate(&unsafe { series.as_joint() }, state, out),
             Err(term) => {
                 let bodies = NoBodies { joints: series.joints };
-                // SAFETY: the caller promises it.
-                let (motion, load_torque) = unsafe { series.as_arm() };
-                let load_stride = series.load_stride;
-                let series = ArmSeries { motion, load_torque, load_stride, rigid_body: &bodies };
-                term.evaluate(&series, state, out)
+                // SAFETY: as above.
+                term.evaluate(&unsafe { series.as_arm(&bodies) }, state, out)
             }
         }
         .map_err(|e| match e {

@@ -3,7 +3,7 @@
 use std::slice;
 
 use super::Series;
-use crate::{ArmSeries, JointSeries, MotionView};
+use crate::{ArmSeries, JointSeries, MotionView, RigidBodyRegressor};
 
 impl Series {
     /// The series of one joint.
@@ -57,11 +57,11 @@ impl Series {
         }
     }
 
-    /// The motion and the load torques of all joints.
+    /// The series of all joints of these bodies.
     ///
     /// # Safety
     /// Every pointer leads to the values that the struct describes, and nobody changes them during `'a`.
-    pub unsafe fn as_arm<'a>(&self) -> (MotionView<'a>, &'a [f64]) {
+    pub unsafe fn as_arm<'a>(&self, rigid_body: &'a dyn RigidBodyRegressor) -> ArmSeries<'a> {
         let reach =
             |stride: usize| if self.joints == 0 { 0 } else { (self.joints - 1) * stride + self.samples };
         // SAFETY: the caller promises `joints` series, `stride` apart, of `samples` values each.
@@ -73,6 +73,7 @@ impl Series {
             [self.position_rad, self.velocity_rad_s, self.acceleration_rad_s2]
                 .map(|first| of(first, reach(self.stride))),
         );
-        (motion, of(self.load_torque, reach(self.load_stride)))
+        let load_torque = of(self.load_torque, reach(self.load_stride));
+        ArmSeries { motion, load_torque, load_stride: self.load_stride, rigid_body }
     }
 }

@@ -15,7 +15,6 @@ use crate::{Joint, Placement};
 pub static KNOWN_ROBOTS: LazyLock<Vec<KnownRobot>> =
     LazyLock::new(|| toml::from_str::<Arms>(include_str!("arms.toml")).expect("known robots").robots);
 
-/// The file of the known robots.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Arms {

@@ -85,7 +85,6 @@ fn follows(
     Ok(Some((vec![first, second], reason.into())))
 }
 
-/// The joints that a tendon runs over.
 fn of_tendon(root: Node<'_, '_>, name: &str, tree: &Tree) -> Vec<usize> {
     let tendons = root.children().filter(|c| c.has_tag_name("tendon")).flat_map(|c| c.children());
     let tendon = tendons.into_iter().find(|t| t.attribute("name") == Some(name));

@@ -29,7 +29,6 @@ const WORLD: &str = "world";
 /// Elements that make bodies, joints or masses which are not read.
 const GENERATING: [&str; 5] = ["attach", "composite", "flexcomp", "include", "replicate"];
 
-/// Reads bodies and joints.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let name = root.attribute("model").unwrap_or_default().to_owned();
     let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new(), place: None };
@@ -105,7 +104,6 @@ struct Own<'x> {
 
 struct Reader<'a, 'x> {
     source: &'a Source<'a>,
-    /// Names of links.
     taken: HashSet<String>,
     settings: Settings,
     classes: &'a Classes<'x>,
