@@ -38,11 +38,8 @@ fn run(program: &[OsString], arguments: &Arguments, terminal: &Terminal) -> Resu
     outcome
 }
 
-/// Exit status of a command that did what it was asked to.
 const SUCCESS: u8 = 0;
-/// Exit status of a check that found something.
 const FINDINGS: u8 = 1;
-/// Exit status of a command that failed.
 const FAILURE: u8 = 2;
 
 /// Shows what is wrong with the arguments, or the help that was asked for.

@@ -7,7 +7,6 @@ use aurt_traits::{KnownBodies, RobotModel};
 use crate::experiment::Experiment;
 
 impl Experiment {
-    /// The rigid bodies of `[robot]`.
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
         let rigid_body = self.robot.rigid_body()?;
         RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)

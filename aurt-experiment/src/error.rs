@@ -7,7 +7,6 @@ use crate::experiment::ExperimentErrors;
 /// Why an experiment cannot be read.
 #[derive(Debug, Error)]
 pub enum Error {
-    /// The experiment is wrong in one or more places.
     #[error(transparent)]
     Experiment(#[from] Box<ExperimentErrors>),
     #[error(transparent)]

@@ -76,7 +76,6 @@ impl NoiseReport {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state == state).collect()
     }
 
-    /// The joints whose error noise does not explain.
     pub fn beyond_noise(&self) -> Vec<usize> {
         (0..self.joints.len()).filter(|joint| self.joints[*joint].state > NoiseState::WithinNoise).collect()
     }
@@ -101,11 +100,11 @@ impl NoiseReport {
 
 #[cfg(test)]
 mod tests {
+    use aurt_diagnosis::Finding;
     use aurt_diagnosis::vocabulary::Family;
-    use aurt_diagnosis::{Finding, JointResidual};
 
     use super::*;
-    use crate::words::tests::finding;
+    use crate::words::tests::{finding, residual};
     use crate::words::{self};
 
     const FLOOR: f64 = 0.1;
@@ -128,16 +127,7 @@ mod tests {
         let errors = if held_out { vec![times * FLOOR] } else { Vec::new() };
         let mut verdict = words::tests::verdict(answer, effects, &errors, &errors);
         verdict.structure = structure;
-        verdict.residual = vec![JointResidual {
-            joint: 0,
-            baseline_rms: times * FLOOR,
-            unexplained_rms: times * FLOOR,
-            floor_rms: FLOOR,
-            structure_left: left,
-            follows: None,
-            follows_share: 0.0,
-            windows_s: Vec::new(),
-        }];
+        verdict.residual = vec![residual(0, times * FLOOR, left)];
         verdict
     }
 

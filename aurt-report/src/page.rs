@@ -40,6 +40,12 @@ pub struct Section {
     pub blocks: Vec<Block>,
 }
 
+impl Section {
+    pub fn new(title: &str, introduction: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Self { title: title.to_owned(), introduction: introduction.into(), blocks }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     Text(String),

@@ -36,7 +36,6 @@ impl From<&str> for Cell {
 }
 
 impl Table {
-    /// A table without rows.
     pub fn new<C: Into<String>>(caption: impl Into<String>, columns: impl IntoIterator<Item = C>) -> Self {
         let columns = columns.into_iter().map(Into::into).collect();
         Self { caption: caption.into(), columns, rows: Vec::new() }

@@ -11,7 +11,6 @@ use crate::noise_report::{JointNoise, NoiseReport, NoiseState};
 use crate::rendering::number::significant;
 use crate::rendering::text::listed;
 
-/// Where a finding was seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// In the targets and not in the other recordings.
@@ -85,7 +84,6 @@ pub fn claim(finding: &Finding, asked: Asked) -> String {
     }
 }
 
-/// The answer in words.
 pub fn headline(verdict: &Verdict, asked: Asked) -> String {
     let mut words = match asked {
         Asked::Change => changed(verdict, asked),
@@ -203,7 +201,6 @@ fn unconfirmed_change(verdict: &Verdict) -> Option<String> {
     unconfirmed.or_else(|| has_usual.then(|| usual.to_owned()))
 }
 
-/// A model's lack, where that is the only question.
 fn missing(verdict: &Verdict, asked: Asked) -> String {
     let found = brief(verdict, verdict.effects.iter().filter(|f| place(f, asked) != Place::Fault).collect());
     match (verdict.verdict, found) {

@@ -6,7 +6,6 @@ use aurt::Progress;
 use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::results::sweep_table;
-use aurt_experiment::workbench::sweeping::ExperimentLoader;
 use aurt_plugins::Registry;
 use aurt_report::rendering::style::Style;
 use pyo3::prelude::*;
@@ -59,12 +58,12 @@ fn ranked(
     folder.write_plan(&sweep, &plan)?;
     let points = plan.points.len();
     let watch = |event: Event| match event {
-        Event::Begin { present, .. } => {
+        Event::Begin { present } => {
             progress.step(format!("{points} points, {present} of them have their result"));
         }
-        Event::Done { .. } => progress.step("a point is done"),
+        Event::Done => progress.step("a point is done"),
     };
-    aurt_experiment::sweep::run(&sweep, &plan, &folder, &ExperimentLoader, &watch)?;
+    aurt_experiment::sweep::run(&sweep, &plan, &folder, &watch)?;
     Ok(Ranking::of(&folder, &plan, rows))
 }
 

@@ -4,16 +4,12 @@ use std::path::PathBuf;
 
 use aurt::file_contents;
 use aurt_experiment::Experiment;
-use aurt_experiment::doctor::inspection::judged::build;
+use aurt_experiment::workbench::experiments::friction;
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::output::OutputFile;
-use aurt_plugins::Registry;
 use aurt_plugins::model::model_file::{read_rigid_body, robot_model_to_json};
 use aurt_report::rendering::table::Table;
-use aurt_traits::{
-    ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel,
-    ViscousBasis,
-};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -94,7 +90,11 @@ impl CompileRd {
                     experiment.arm_terms,
                 )
             }
-            None => (vec![self.stack(&session.registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
+            None => {
+                let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::Constant).model();
+                let powers = &self.friction_viscous_powers;
+                (vec![friction(&session.registry, coulomb, "sign", powers)?; joints], Vec::new())
+            }
         };
         let model = dynamics.with_joint_dynamics(stacks, arm_terms)?;
         out.write(&file_contents(robot_model_to_json(&model)?))?;
@@ -115,17 +115,6 @@ impl CompileRd {
             "outputs": [out.path()],
         });
         Ok(Report { text, json, findings: false })
-    }
-
-    fn stack(&self, registry: &Registry) -> Result<JointStack, Failure> {
-        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::Constant).model();
-        let coulomb = build::<dyn CoulombModel>(registry, json!({ "model": coulomb }));
-        let hysteresis = build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }));
-        let viscous = build::<dyn ViscousBasis>(
-            registry,
-            json!({ "model": "polynomial", "powers": self.friction_viscous_powers }),
-        );
-        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Into::into)
     }
 }
 

@@ -47,7 +47,6 @@ pub struct JointOptions {
 }
 
 impl JointOptions {
-    /// As recordings are read.
     pub fn recorded(&self) -> RecordedAs {
         RecordedAs {
             topic: self.topic.clone(),
@@ -61,7 +60,6 @@ const UNITS: &[Choice<MeasurementUnit>] =
     &[("A", "Motor current", MeasurementUnit::Ampere), ("Nm", "Joint torque", MeasurementUnit::NewtonMetre)];
 
 impl ReadingOptions {
-    /// A recording read in this way.
     pub fn source(&self, file: &Path) -> Source {
         Source {
             file: file.to_owned(),
@@ -102,7 +100,6 @@ pub struct FittingOptions {
 }
 
 impl FittingOptions {
-    /// The calibration of a model.
     pub fn job(&self, model: RobotModel) -> Job {
         let torque_constants_nm_per_a = self.torque_constants.as_ref().map(|Constants(k)| k.clone());
         Job {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::demo;
+use aurt_experiment::workbench::experiments::fit_experiment;
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::output::OutputFolder;
 use aurt_report::rendering::number::significant;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::Session;
 use super::diagnose::Diagnose;
-use super::run::{fit_experiment_watched, write_results};
+use super::run::Written;
 use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
@@ -42,9 +43,11 @@ impl Demo {
         drop(progress);
 
         let experiment = Experiment::read(folder.path().join("experiment.toml"), &mut session.registry)?;
-        let outcome = fit_experiment_watched(&experiment, session.terminal)?;
+        let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+        let outcome = fit_experiment(&experiment, &session.terminal.progress(3 * count + 2))?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
-        let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
+        let results = Written::new("demo", &experiment, &outcome, session.terminal.style())?;
+        let mut report = results.write(outcome, &folder, None)?;
         let title = session.terminal.emphasise(Emphasis::Title, "estimated and true");
         let table = table(&compared);
         let later = folder.path().join(demo::QUESTION_FILE);

@@ -33,7 +33,7 @@ use crate::values::choice;
 /// With `[recordings] target`, reports what the targets show beyond the model; without, what the model
 /// lacks in its calibration recordings. With `[drive]`, reports which structures of drives and joints the
 /// held-out positions need, and which the model lacks. Exit status 1 if something was found.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
     aurt diagnose experiment.toml --model robot.urdf --out diagnosis\n  \
@@ -84,22 +84,8 @@ pub struct Diagnose {
 
 impl Diagnose {
     /// A diagnosis of an experiment with all effects, its outputs in `out`.
-    pub const fn new(experiment: PathBuf, out: PathBuf) -> Self {
-        Self {
-            experiment,
-            out,
-            model: None,
-            base: None,
-            tip: None,
-            parameters: None,
-            without: Vec::new(),
-            only: Vec::new(),
-            learnt: None,
-            verdict_only: false,
-            series: None,
-            most_rows: MOST_ROWS,
-            plots: PlotOptions::none(),
-        }
+    pub fn new(experiment: PathBuf, out: PathBuf) -> Self {
+        Self { experiment, out, most_rows: MOST_ROWS, ..Self::default() }
     }
 
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {

@@ -108,6 +108,5 @@ pub struct Session<'a> {
     pub registry: Registry,
     /// The command line that starts this program.
     pub program: &'a [OsString],
-    /// The command line's definition.
     pub definition: fn() -> clap::Command,
 }

@@ -48,7 +48,6 @@ pub struct PlannedRobotOptions {
     acceleration_rad_s2: Option<f64>,
 }
 
-/// A robot to plan for.
 pub struct PlannedRobot {
     /// Geometry and limits.
     pub robot: Robot,
@@ -58,7 +57,6 @@ pub struct PlannedRobot {
     pub joint_names: Vec<String>,
     /// Where the limits are from, and what was supplied to them.
     pub notes: Vec<String>,
-    /// Whether the drives' torques are known.
     pub knows_torques: bool,
 }
 

@@ -15,11 +15,6 @@ pub struct PlotOptions {
 }
 
 impl PlotOptions {
-    /// No figures beside the report.
-    pub const fn none() -> Self {
-        Self { plots: None }
-    }
-
     /// The folder, checked before any work is done.
     pub fn folder(&self) -> Result<Option<OutputFolder>, Failure> {
         self.plots.as_deref().map(|path| OutputFolder::nested("--plots", path)).transpose()

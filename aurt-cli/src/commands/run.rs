@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use aurt::Outcome;
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::driving::{DriveOutcome, fit_drives};
-use aurt_experiment::workbench::experiments::{fit_and_keep, fit_experiment, job};
+use aurt_experiment::workbench::experiments::{fit_and_keep, job};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::output::{OutputFolder, Outputs};
 use aurt_experiment::workbench::results::series::{self, SeriesFormat};
@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use super::Session;
 use super::checked_setup::doubts;
 use super::plots::PlotOptions;
-use crate::rendering::terminal::{Report, Terminal};
+use crate::rendering::terminal::Report;
 use crate::values::{Choice, choice};
 
 /// Calibrate and validate the model of an experiment file.
@@ -51,7 +51,6 @@ pub struct Run {
     plots: PlotOptions,
 }
 
-/// The formats of series.
 pub const SERIES: &[Choice<SeriesFormat>] = &[
     ("parquet", "Apache Parquet: pandas, Polars, DuckDB", SeriesFormat::Parquet),
     ("mcap", "MCAP with joint states of ROS 2: Foxglove, rerun, PlotJuggler", SeriesFormat::Mcap),
@@ -84,7 +83,12 @@ impl Run {
             let outcome = fit_experiment_in_stretches(&experiment, because, &progress)
                 .map_err(|failure| failure.of_value_in(&experiment.path))?;
             drop(progress);
-            return write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal);
+            let style = session.terminal.style();
+            return Written::new("run", &experiment, &outcome, style)?.write(
+                outcome,
+                &folder,
+                plots.as_ref(),
+            );
         }
         let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
@@ -118,26 +122,8 @@ pub fn write_drives(command: &str, outcome: DriveOutcome, folder: &OutputFolder)
     Ok(Report { text: text + &written_text(&written), json, findings })
 }
 
-/// Does what an experiment says, under a bar of its steps.
-pub fn fit_experiment_watched(experiment: &Experiment, terminal: &Terminal) -> Result<Outcome, Failure> {
-    let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
-    fit_experiment(experiment, &terminal.progress(3 * count + 2))
-}
-
-/// Fills `folder` with results and reports them.
-pub fn write_results(
-    command: &str,
-    experiment: &Experiment,
-    outcome: Outcome,
-    folder: &OutputFolder,
-    plots: Option<&OutputFolder>,
-    terminal: &Terminal,
-) -> Result<Report, Failure> {
-    Written::new(command, experiment, &outcome, terminal.style())?.write(outcome, folder, plots)
-}
-
 /// What is written of an outcome beside its predictions, and said of it.
-struct Written {
+pub struct Written {
     text: String,
     metrics: Value,
     page: Page,
@@ -145,7 +131,12 @@ struct Written {
 }
 
 impl Written {
-    fn new(command: &str, experiment: &Experiment, outcome: &Outcome, style: Style) -> Result<Self, Failure> {
+    pub fn new(
+        command: &str,
+        experiment: &Experiment,
+        outcome: &Outcome,
+        style: Style,
+    ) -> Result<Self, Failure> {
         let calibrated = &outcome.calibrated;
         let mut notes = experiment.robot.geometry.notes();
         notes.extend(experiment.notes.clone());
@@ -162,7 +153,7 @@ impl Written {
         Ok(Self { text: results.to_text(style), metrics, page, files })
     }
 
-    fn write(
+    pub fn write(
         self,
         outcome: Outcome,
         folder: &OutputFolder,

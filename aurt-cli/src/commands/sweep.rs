@@ -6,7 +6,6 @@ use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, r
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::output::{OutputFolder, Outputs};
 use aurt_experiment::workbench::results::sweep_table;
-use aurt_experiment::workbench::sweeping::ExperimentLoader;
 use aurt_report::reports;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
@@ -164,10 +163,10 @@ impl RunSweep {
         }
         let bar = session.terminal.points_bar(plan.points.len());
         let watch = |event: Event| match event {
-            Event::Begin { present, .. } => bar.skip(present),
-            Event::Done { .. } => bar.advance(),
+            Event::Begin { present } => bar.skip(present),
+            Event::Done => bar.advance(),
         };
-        let summary = run(&sweep, &plan, &folder, &ExperimentLoader, &watch)?;
+        let summary = run(&sweep, &plan, &folder, &watch)?;
         drop(bar);
         let json = json!({ "command": "sweep run", "run": summary_json(&summary) });
         collected(&folder, &plan, session, &self.plots, summary_text(&summary), json)
@@ -230,7 +229,7 @@ impl RunPoint {
         let mut text = String::new();
         let mut failed = Vec::new();
         for number in &self.numbers {
-            let judged = run_point(&folder, *number, &mut session.registry, &ExperimentLoader)?;
+            let judged = run_point(&folder, *number, &mut session.registry)?;
             text.push_str(&format!("point {number}: {}\n", if judged { "done" } else { "failed" }));
             failed.extend((!judged).then_some(*number));
         }

@@ -58,7 +58,6 @@ impl Terminal {
         self.style().emphasise(emphasis, text)
     }
 
-    /// Prints what a command has to say.
     pub fn print_report(&self, report: &Report) -> Result<(), Failure> {
         let written = if self.json {
             write_document(&report.json)

@@ -139,7 +139,6 @@ impl Browser {
         }
     }
 
-    /// Waits for the next frames.
     pub fn drawn(&mut self) {
         self.value("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))");
     }
@@ -164,7 +163,6 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// A picture of the whole page.
     pub fn picture(&mut self, height: f64, width: u32) -> Vec<u8> {
         let clip = json!({ "x": 0, "y": 0, "width": width, "height": height, "scale": 1 });
         let asked = json!({ "format": "png", "captureBeyondViewport": true, "clip": clip });

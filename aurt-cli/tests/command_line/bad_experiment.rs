@@ -30,6 +30,10 @@ fn all_mistakes_are_told_at_once_with_their_places() {
 #[test]
 fn what_is_no_toml_or_not_there() {
     let folder = Folder::new();
+    let place = folder.path("").canonicalize().unwrap();
+    let place = place.to_str().unwrap().trim_end_matches('/');
+    folder.run("run nope.toml --out out").refused(&["nope.toml", "no such file", "aurt demo", place]);
+    folder.run("diagnose no/where.toml --out out").refused(&["no folder no either"]);
     folder.write("broken.toml", "schema = 1\n[robot\n");
     folder.run("run broken.toml --out out").refused(&["broken.toml:2", "not TOML"]);
     let near = ["brokn.toml", "there is no such file", "did you mean broken.toml?"];

@@ -82,9 +82,8 @@ fn verdict_after(change: Option<Change>) -> (Folder, Value) {
     folder.write(
         "experiment.toml",
         &format!(
-            "schema = 1\n[robot]\nurdf = 'robot.urdf'\ntip = '{TIP}'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[joint_dynamics]\n\
-             coulomb = {{ model = 'none' }}\nhysteresis = {{ model = 'sign' }}\n\
-             viscous = {{ model = 'polynomial', powers = [1] }}\n[recordings]\ncalibration = ['before.csv']\n{target}\
+            "schema = 1\n[robot]\nurdf = 'robot.urdf'\ntip = '{TIP}'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\
+             [recordings]\ncalibration = ['before.csv']\n{target}\
              validation = ['held_out.csv']\n[preprocess]\nf_dyn_hz = 5.0\n"
         ),
     );
@@ -150,8 +149,7 @@ fn what_a_coupled_arm_cannot_have_is_refused() {
     folder.write("robot.urdf", URDF);
     record(&folder, "a.csv", 1, Change::default());
     let text = format!(
-        "schema = 1\n[robot]\nurdf = 'robot.urdf'\ntip = '{TIP}'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[joint_dynamics]\n\
-         coulomb = {{ model = 'none' }}\nhysteresis = {{ model = 'sign' }}\nviscous = {{ model = 'polynomial', powers = [1] }}\n\
+        "schema = 1\n[robot]\nurdf = 'robot.urdf'\ntip = '{TIP}'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\
          [[arm_terms]]\nmodel = 'payload'\nlink = 5\n[recordings]\ncalibration = ['a.csv']\n[preprocess]\nf_dyn_hz = 5.0\n"
     );
     folder.write("experiment.toml", &text);

@@ -36,8 +36,7 @@ fn recorded() -> (Folder, Robot) {
         "experiment.toml",
         &format!(
             "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\
-             torque_constants_nm_per_a = {constants:?}\n[joint_dynamics]\ncoulomb = {{ model = 'none' }}\n\
-             hysteresis = {{ model = 'sign' }}\nviscous = {{ model = 'polynomial', powers = [1] }}\n\
+             torque_constants_nm_per_a = {constants:?}\n\
              [recordings]\ncalibration = ['first.csv']\nvalidation = ['second.csv']\n[preprocess]\nf_dyn_hz = 5.0\n"
         ),
     );

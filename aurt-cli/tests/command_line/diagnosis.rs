@@ -96,8 +96,7 @@ fn friction_beside_a_load_is_no_noise() {
     }
     // Noise grows with the band; the levels below are those of this one.
     folder.edit("later.toml", |text| format!("{text}\n[diagnosis]\nf_dyn_hz = 5.0\n"));
-    let run = folder.run("diagnose later.toml --out out --quiet");
-    assert_eq!(run.status(), 1, "{}", run.stderr());
+    folder.run("diagnose later.toml --out out --quiet").found();
     let verdict = folder.json("out/verdict.json");
     let effects = verdict["effects"].as_array().unwrap();
     assert_eq!(effects[0]["effect"], "payload", "{verdict}");
@@ -254,8 +253,7 @@ fn unchanged_target() -> Folder {
 #[test]
 fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
     let folder = unchanged_target();
-    let run = folder.run("diagnose asked.toml --out out");
-    assert_eq!(run.status(), 1, "{}", run.stderr());
+    let run = folder.run("diagnose asked.toml --out out").found();
     let verdict = folder.json("out/verdict.json");
     let everywhere = serde_json::json!(["calibration", "target"]);
     let effects = verdict["effects"].as_array().unwrap();
@@ -384,8 +382,7 @@ fn a_calibration_recording_that_determines_little_is_no_excuse() {
     };
     let folder = Folder::new();
     folder.write("asked.toml", &ur10e("joint_1_only", "excitation_20s"));
-    let run = folder.run("diagnose asked.toml --out out --verdict-only");
-    assert_eq!(run.status(), 1, "{}", run.stderr());
+    folder.run("diagnose asked.toml --out out --verdict-only").found();
     let verdict = folder.json("out/verdict.json");
     assert_ne!(verdict["verdict"], "no_mismatch", "{verdict}");
     let notes: Vec<&str> = verdict["notes"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
@@ -453,8 +450,7 @@ fn a_push_against_a_standing_arm_is_a_contact() {
     let folder = Folder::new();
     for (name, more) in [("trimmed", ""), ("whole", "\ntrim_rest = false\n")] {
         folder.write(&format!("{name}.toml"), &format!("{asked}{more}"));
-        let run = folder.aurt(["diagnose", &format!("{name}.toml"), "--out", name, "--verdict-only"]);
-        assert_eq!(run.status(), 1, "{}", run.stderr());
+        folder.aurt(["diagnose", &format!("{name}.toml"), "--out", name, "--verdict-only"]).found();
         let verdict = folder.json(&format!("{name}/verdict.json"));
         assert_eq!(verdict["verdict"], "named", "{verdict}");
         let contacts: Vec<&Value> = verdict["effects"]

@@ -47,15 +47,12 @@ pub fn recorded(joints: &[BagJoint]) -> Folder {
 
 pub fn experiment(robot: &str, recordings: &str) -> String {
     format!(
-        "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, -9.81, 0.0]\n{robot}\n[joint_dynamics]\n\
-         coulomb = {{ model = 'none' }}\nhysteresis = {{ model = 'sign' }}\n\
-         viscous = {{ model = 'polynomial', powers = [1] }}\n[recordings]\n{recordings}\n\
+        "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, -9.81, 0.0]\n{robot}\n[recordings]\n{recordings}\n\
          calibration = [{{ file = 'monday.mcap', unit = 'A' }}]\n\
          validation = [{{ file = 'tuesday.mcap', unit = 'A' }}]\n[preprocess]\nf_dyn_hz = 5.0\n"
     )
 }
 
-/// Largest difference of two tables with headers.
 fn apart(a: &str, b: &str) -> f64 {
     let [a, b] = [a, b].map(|table| rows(table).concat());
     assert_eq!(a.len(), b.len());
@@ -110,11 +107,7 @@ fn the_order_of_a_bag_changes_nothing_in_any_command() {
 /// Bags of a UR10e, in another order and with a gripper that moves, make the experiment of the bag in the robot's order.
 #[test]
 fn a_first_experiment_matches_the_joints_of_any_robot_by_name() {
-    let folder = Folder::new();
-    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/urdf-bag");
-    for name in ["ur10e.urdf", "monday.mcap"] {
-        std::fs::copy(example.join(name), folder.path(name)).unwrap();
-    }
+    let folder = Folder::new().with_bag(&["ur10e.urdf", "monday.mcap"]);
     let names = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"];
     let names = names.into_iter().chain(["wrist_2_joint", "wrist_3_joint"]);
     let ordered: Vec<BagJoint> = names.enumerate().map(|(j, name)| (name, Some(j))).collect();
@@ -167,11 +160,7 @@ fn a_model_file_with_the_former_name_of_a_model_predicts_the_same() {
 /// 90 Nm were once between them: the model did not know its joints' names.
 #[test]
 fn predictions_of_a_saved_model_are_those_of_the_run() {
-    let folder = Folder::new();
-    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/urdf-bag");
-    for name in ["experiment.toml", "ur10e.urdf", "monday.mcap", "tuesday.mcap"] {
-        std::fs::copy(example.join(name), folder.path(name)).unwrap();
-    }
+    let folder = Folder::new().with_bag(&["experiment.toml", "ur10e.urdf", "monday.mcap", "tuesday.mcap"]);
     folder.run("run experiment.toml --out results --quiet").succeeded();
     let predict =
         "predict --model results/rd_calibrated.json --data tuesday.mcap --unit A --out predicted.csv";

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-/// `aurt`.
 pub fn aurt() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_aurt"))
 }

@@ -93,5 +93,7 @@ fn calibrating_and_validating_leaves_a_report_beside_the_model() {
     let roles: Vec<Value> =
         embedded(&report)["recordings"].as_array().unwrap().iter().map(|r| r["role"].clone()).collect();
     assert_eq!(roles, ["calibration", "validation"]);
-    folder.run(format!("{line} --out-report p.csv")).refused(&["--out-report", "--out-params"]);
+    folder
+        .run(format!("{line} --out-report p.csv"))
+        .refused(&["--out-report", "is the file of --out-params too"]);
 }

@@ -48,7 +48,6 @@ impl Folder {
         names
     }
 
-    /// Copies files of the demo into this folder.
     pub fn with_demo(self, names: &[&str]) -> Self {
         for name in names {
             fs::copy(DEMO.path("demo").join(name), self.path(name)).unwrap();
@@ -56,9 +55,16 @@ impl Folder {
         self
     }
 
-    /// Copies all that the demo's experiment needs into this folder.
     pub fn with_whole_demo(self) -> Self {
         self.with_demo(&WHOLE_DEMO)
+    }
+
+    pub fn with_bag(self, names: &[&str]) -> Self {
+        let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/urdf-bag");
+        for name in names {
+            fs::copy(example.join(name), self.path(name)).unwrap();
+        }
+        self
     }
 
     /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
@@ -92,6 +98,11 @@ impl Folder {
         };
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         Some(library)
+    }
+
+    /// A library of a model with a fault, as [`library`](Self::library) compiles it.
+    pub fn faulty(&self, fault: &str) -> Option<PathBuf> {
+        self.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&format!("-D{fault}")])
     }
 
     /// Changes a file of this folder, which has to become another one.
@@ -180,7 +191,6 @@ pub fn with_cell(line: &str, number: usize, cell: &str) -> String {
 pub struct Run(Output);
 
 impl Run {
-    /// Runs a command to its end.
     pub fn of(mut command: Command) -> Self {
         Self(command.output().unwrap())
     }
@@ -193,7 +203,6 @@ impl Run {
         String::from_utf8(self.0.stderr.clone()).unwrap()
     }
 
-    /// The document on standard output.
     #[track_caller]
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.stdout()).unwrap_or_else(|e| panic!("{e}: {}", self.stdout()))
@@ -203,10 +212,16 @@ impl Run {
         self.0.status.code().unwrap()
     }
 
-    /// Asserts that all went well.
     #[track_caller]
     pub fn succeeded(self) -> Self {
         assert_eq!(self.status(), 0, "{}{}", self.stdout(), self.stderr());
+        self
+    }
+
+    /// Asserts that a check or a diagnosis found something: status 1.
+    #[track_caller]
+    pub fn found(self) -> Self {
+        assert_eq!(self.status(), 1, "{}{}", self.stdout(), self.stderr());
         self
     }
 
@@ -251,7 +266,6 @@ pub fn numbers(value: &Value) -> Vec<f64> {
     list.iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// Asserts that a text has all of `words`.
 #[track_caller]
 pub fn assert_has(text: &str, words: &[&str]) {
     for word in words {

@@ -80,8 +80,7 @@ fn a_point_that_fails_is_recorded_and_the_others_go_on() {
     assert_eq!(table["failed"][0]["number"], 2);
     assert_eq!(folder.read("out/table.csv").lines().count(), 4);
     // It is not tried again until something changes that it depends on.
-    let again = folder.run("sweep run experiment.toml --out out");
-    assert_eq!(again.status(), 1);
+    let again = folder.run("sweep run experiment.toml --out out").found();
     assert!(again.stdout().contains("0 points run"), "{}", again.stdout());
     assert_eq!(folder.run("sweep point 1 2 --out out").status(), 1);
     folder.run("sweep point 4 --out out").refused(&["there is no point 4", "points 1 to 3"]);
@@ -122,8 +121,7 @@ fn slurm_is_given_what_has_no_result_yet() {
     assert!(first.contains("3 of 3 points submitted as job array 41\n"), "{first}");
     let asked = folder.read("bin/asked");
     assert!(asked.contains("--array=1-3 ") && asked.contains(" --partition=short --wrap"), "{asked}");
-    let collected = folder.run("sweep collect --out out");
-    assert_eq!(collected.status(), 1);
+    let collected = folder.run("sweep collect --out out").found();
     assert!(collected.stdout().contains("points without a result\n  2\n"), "{}", collected.stdout());
 
     folder.write("bin/lost", "");

@@ -73,7 +73,6 @@ impl Bench {
         self.folder.path()
     }
 
-    /// Another folder with the same files.
     pub fn copy(&self) -> TempDir {
         let copy = tempfile::tempdir().unwrap();
         copy_into(self.path(), copy.path());

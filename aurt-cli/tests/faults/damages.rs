@@ -1,10 +1,11 @@
 //! What can have happened to a file.
 
+use std::iter;
+
 /// A generator that gives the same numbers everywhere (Knuth's constants for a linear congruence).
 pub struct Draws(pub u64);
 
 impl Draws {
-    /// A number below `bound`.
     pub fn below(&mut self, bound: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % bound.max(1)
@@ -84,18 +85,27 @@ impl Damage {
         let cells = |change: fn(&mut Vec<&[u8]>)| -> Vec<u8> {
             let of_line = |line: &[u8]| {
                 let mut cells: Vec<&[u8]> = line.split(|b| *b == b',').collect();
-                change(&mut cells);
+                if cells.len() > 1 {
+                    change(&mut cells);
+                }
                 cells.join(&b","[..])
             };
             let lines: Vec<Vec<u8>> = bytes.split(|b| *b == b'\n').map(of_line).collect();
             lines.join(&b"\n"[..])
         };
+        let with = |at: usize, more: &mut dyn Iterator<Item = u8>| {
+            let mut bytes = bytes.to_vec();
+            bytes.splice(at..at, more);
+            bytes
+        };
+        let first = |of: &[u8]| bytes.iter().position(|b| of.contains(b)).unwrap_or(bytes.len());
+        let mut anywhere = || draws.below(bytes.len());
         Some(match self {
             Self::None | Self::Missing | Self::Folder | Self::Device | Self::Pipe | Self::Name(_) => {
                 return None;
             }
             Self::Empty => Vec::new(),
-            Self::Truncated => bytes[..draws.below(bytes.len())].to_vec(),
+            Self::Truncated => bytes[..anywhere()].to_vec(),
             Self::Flipped(count) => {
                 let mut bytes = bytes.to_vec();
                 for _ in 0..count {
@@ -108,21 +118,12 @@ impl Damage {
             Self::CarriageReturns => String::from_utf8_lossy(bytes).replace('\n', "\r\n").into_bytes(),
             Self::Utf16 => {
                 let text = String::from_utf8_lossy(bytes).into_owned();
-                let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+                let units = iter::once(0xfeff).chain(text.encode_utf16());
                 units.flat_map(u16::to_le_bytes).collect()
             }
-            Self::Zero => {
-                let mut bytes = bytes.to_vec();
-                bytes.insert(draws.below(bytes.len()), 0);
-                bytes
-            }
+            Self::Zero => with(anywhere(), &mut iter::once(0)),
             Self::Gzip => [b"\x1f\x8b\x08\0\0\0\0\0", bytes].concat(),
-            Self::LongLine(length) => {
-                let mut bytes = bytes.to_vec();
-                let at = draws.below(bytes.len());
-                bytes.splice(at..at, std::iter::repeat_n(b'7', length));
-                bytes
-            }
+            Self::LongLine(length) => with(anywhere(), &mut iter::repeat_n(b'7', length)),
             Self::Number(number) => with_number(bytes, number, draws),
             Self::DoubledLine => {
                 let mut lines = lines();
@@ -135,35 +136,15 @@ impl Damage {
                 lines.remove(draws.below(lines.len()));
                 lines.concat()
             }
-            Self::DoubledColumn => cells(|cells| {
-                if cells.len() > 1 {
-                    cells.insert(1, cells[1]);
-                }
-            }),
+            Self::DoubledColumn => cells(|cells| cells.insert(1, cells[1])),
             Self::MissingColumn => cells(|cells| {
-                if cells.len() > 1 {
-                    cells.remove(1);
-                }
+                cells.remove(1);
             }),
-            Self::Nested(depth) => {
-                let mut bytes = bytes.to_vec();
-                let at = bytes.iter().position(|b| *b == b'[' || *b == b'{').unwrap_or(bytes.len());
-                bytes.splice(at..at, std::iter::repeat_n(b'[', depth));
-                bytes
-            }
+            Self::Nested(depth) => with(first(b"[{"), &mut iter::repeat_n(b'[', depth)),
             Self::Columns(count) => {
-                let more: Vec<u8> = (0..count).flat_map(|k| format!(",x{k}").into_bytes()).collect();
-                let mut bytes = bytes.to_vec();
-                let at = bytes.iter().position(|b| *b == b'\n').unwrap_or(bytes.len());
-                bytes.splice(at..at, more);
-                bytes
+                with(first(b"\n"), &mut (0..count).flat_map(|k| format!(",x{k}").into_bytes()))
             }
-            Self::Escapes => {
-                let mut bytes = bytes.to_vec();
-                let at = draws.below(bytes.len());
-                bytes.splice(at..at, *b"\x1b[2J\x1b]0;x\x07");
-                bytes
-            }
+            Self::Escapes => with(anywhere(), &mut b"\x1b[2J\x1b]0;x\x07".iter().copied()),
         })
     }
 }

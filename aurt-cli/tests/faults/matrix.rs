@@ -163,7 +163,6 @@ fn names(folder: &Path) -> Vec<String> {
     entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
 }
 
-/// Bytes of the files in a folder and in the folders in it.
 fn folder_size(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
     let size = |path: std::path::PathBuf| match fs::symlink_metadata(&path) {

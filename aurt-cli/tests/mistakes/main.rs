@@ -28,7 +28,6 @@ const NOT_TOLD: [&str; 1] = ["the name of a smaller robot of the same family"];
 
 /// Rows of a log that are used: 20 s and more.
 const ROWS: usize = 2000;
-/// Joints of the UR10e.
 const JOINTS: usize = 6;
 
 struct Said {
@@ -85,7 +84,6 @@ fn aurt(folder: &Path, words: &[&str]) -> Said {
     Said { status: output.status.code().unwrap(), text }
 }
 
-/// The folder of a setup.
 fn written(setup: &Setup) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     setup.files().iter().for_each(|(name, text)| fs::write(folder.path().join(name), text).unwrap());
@@ -139,7 +137,6 @@ fn ur10e(files: [PathBuf; 3], table: &Path, f_dyn_hz: f64) -> Setup {
     }
 }
 
-/// A UR10e as it was logged.
 fn real() -> Option<Setup> {
     let Some(data) = std::env::var_os("AURT_DATA").map(PathBuf::from).filter(|d| d.is_dir()) else {
         println!(
@@ -243,11 +240,6 @@ fn mistakes_on_a_real_robot_are_told() {
         let diagnose = answer.diagnose.as_ref().map_or("–", |d| d.short(cures));
         let (check, run) = (answer.check.short(cures), answer.run.short(cures));
         println!("| {} | {check} | {run} | {diagnose} |", mistake.what);
-        if std::env::var_os("AURT_MISTAKES_VERBOSE").is_some() && !answer.told(cures) {
-            let end =
-                |t: &str| t.chars().rev().take(900).collect::<Vec<_>>().into_iter().rev().collect::<String>();
-            println!("  check: {}\n  run: {}", end(&answer.check.text), end(&answer.run.text));
-        }
     }
     println!(
         "{told} of {} told with the cure; {} answered with a model without a word: {confident:?}",

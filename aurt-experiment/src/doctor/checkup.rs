@@ -143,7 +143,6 @@ fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
 }
 
 impl Checkup {
-    /// Whether something should be heeded.
     pub fn has_findings(&self) -> bool {
         let setup = self.examination.as_ref();
         !self.of_recordings().is_empty() || setup.is_some_and(|e| e.is_serious() || e.hardly().is_some())
@@ -154,7 +153,6 @@ impl Checkup {
         self.alone.iter().any(|one| one.stamps.is_some())
     }
 
-    /// What should be heeded, in sentences.
     pub fn findings(&self) -> Vec<String> {
         let mut findings = self.of_recordings();
         findings.extend(self.examination.iter().flat_map(Examination::sentences));

@@ -20,7 +20,6 @@ use toml_edit::Value;
 use crate::doctor::inspection::inspected::{Inspected, Reading};
 use crate::doctor::mistakes::{self, Examination, Subject, median_period_s};
 
-/// Share of a single recording that calibrates.
 const CALIBRATED_SHARE: f64 = 0.7;
 const ONE_HELD_OUT_OF: usize = 3;
 

@@ -12,7 +12,6 @@ use aurt_report::{
 use crate::doctor::inspection::inspected::Inspected;
 use crate::doctor::inspection::joints::tables;
 use crate::doctor::inspection::judged::Judged;
-use crate::workbench::reports::section;
 
 /// The column of the motion that says how long a joint moves.
 const MOVING: usize = 5;
@@ -109,7 +108,6 @@ impl Inspected {
                 let figure = TimeFigure {
                     title: format!("{}{moves}", self.names().joint(j)),
                     name: format!("recording_joint_{j}"),
-                    caption: String::new(),
                     time_s: &time,
                     segment_starts: &starts,
                     panels,
@@ -123,7 +121,7 @@ impl Inspected {
                 }
             })
             .collect();
-        section(
+        Section::new(
             "Motion and measurement",
             "On the uniform grid; positions filtered, the measurement as it is. Drag over a stretch to \
                            look closer, double-click for all.",
@@ -161,7 +159,7 @@ impl Inspected {
                 )
             })
             .collect();
-        section(
+        Section::new(
             "What the motion covers",
             "Velocity over position of every joint that moves. Friction models need both directions and \
                            slow as well as fast motion; gravity needs different positions.",
@@ -183,7 +181,7 @@ impl Inspected {
             row[MOVING].strong = !joint.moves();
         }
         let sensors = block("sensors: steps and white noise", sensors);
-        section("Joints and sensors", "", vec![Block::Table(motion), Block::Table(sensors)])
+        Section::new("Joints and sensors", "", vec![Block::Table(motion), Block::Table(sensors)])
     }
 }
 
@@ -240,5 +238,5 @@ fn excitation(judged: &Judged) -> Section {
             blocks: vec![Block::Table(table)],
         });
     }
-    section("Which parameters this motion determines", "", blocks)
+    Section::new("Which parameters this motion determines", "", blocks)
 }

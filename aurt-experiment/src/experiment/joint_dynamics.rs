@@ -42,7 +42,6 @@ type Models =
 type Stack = (Box<dyn CoulombModel>, Box<dyn HysteresisModel>, Box<dyn ViscousBasis>);
 
 impl JointDynamics {
-    /// The models of every joint, joint after joint.
     pub fn stacks(&self, joints: usize) -> Result<Vec<JointStack>, Vec<ModelError>> {
         (0..joints)
             .map(|joint| {

@@ -115,7 +115,6 @@ impl Experiment {
         experiment.filter(|_| complaints.is_empty()).ok_or_else(|| fail(complaints))
     }
 
-    /// Number of joints N of the robot.
     pub fn joints(&self) -> usize {
         self.robot.joints()
     }

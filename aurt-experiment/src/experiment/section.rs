@@ -79,7 +79,6 @@ impl<'n, 'r> Section<'n, 'r> {
         &self.node.span
     }
 
-    /// The value of an optional key.
     pub(super) fn take(&mut self, key: &str) -> Option<&'n Node> {
         if !self.asked.iter().any(|asked| asked == key) {
             self.asked.push(key.to_owned());
@@ -164,7 +163,6 @@ impl<'n, 'r> Section<'n, 'r> {
         self.expected(key, node, "file names or tables such as { file = \"…\" }");
     }
 
-    /// An optional number above zero.
     pub(super) fn positive(&mut self, key: &str) -> Option<f64> {
         let node = self.take(key)?;
         let value = self.number_of(key, node)?;
@@ -175,7 +173,6 @@ impl<'n, 'r> Section<'n, 'r> {
         None
     }
 
-    /// An optional number, zero or above.
     pub(super) fn not_negative(&mut self, key: &'static str) -> Option<f64> {
         let node = self.take(key)?;
         let value = self.number_of(key, node)?;
@@ -215,7 +212,6 @@ impl<'n, 'r> Section<'n, 'r> {
             .ok()
     }
 
-    /// A list of whole numbers from zero on.
     pub(super) fn indices_of(&self, key: &str, node: &Node, what: &str) -> Option<Vec<usize>> {
         let NodeKind::Array(items) = &node.kind else {
             self.expected(key, node, &format!("a list of {what}"));
@@ -225,7 +221,6 @@ impl<'n, 'r> Section<'n, 'r> {
         indices.into_iter().collect()
     }
 
-    /// A whole number from zero on.
     pub(super) fn index_of(&self, key: &str, node: &Node, what: &str) -> Option<usize> {
         match &node.kind {
             NodeKind::Integer(n) => {
@@ -311,13 +306,11 @@ impl<'n, 'r> Section<'n, 'r> {
         None
     }
 
-    /// An optional table below this one.
     pub(super) fn section(&mut self, key: &'static str) -> Option<Section<'n, 'r>> {
         let node = self.take(key)?;
         Section::new(self.reader, node, format!("[{key}]"))
     }
 
-    /// An optional list of tables below this one.
     pub(super) fn tables(&mut self, key: &'static str) -> &'n [Node] {
         let Some(node) = self.take(key) else { return &[] };
         if let NodeKind::Array(tables) = &node.kind {

@@ -45,13 +45,10 @@ pub enum SweepError {
         path.display()
     )]
     Stale { path: PathBuf, index: usize },
-    /// A file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// A file could not be written.
     #[error("{}: cannot be written: {source}", path.display())]
     Write { path: PathBuf, source: std::io::Error },
-    /// Jobs could not be submitted.
     #[error("sbatch {problem}")]
     Slurm {
         /// What happened, as the rest of a sentence.
@@ -64,8 +61,8 @@ pub enum SweepError {
 #[non_exhaustive]
 pub enum PointError {
     /// Recordings could not be read or preprocessed.
-    #[error("{0}")]
-    Recordings(String),
+    #[error(transparent)]
+    Recordings(#[from] aurt::Error),
     /// The rigid bodies or the robot model.
     #[error(transparent)]
     Model(#[from] aurt_plugins::model::Error),

@@ -8,21 +8,16 @@ use rayon::prelude::*;
 use crate::sweep::family::{SharedRows, point_model};
 use crate::sweep::loading::Settings;
 use crate::sweep::result::{Evaluation, Fold, JointErrors, Judged};
-use crate::sweep::{Loader, Point, PointError};
+use crate::sweep::{Point, PointError};
 
 /// Fits a point's model and judges it.
-pub(crate) fn evaluate(
-    point: &Point,
-    rows: &SharedRows<'_>,
-    block_s: f64,
-    loader: &dyn Loader,
-) -> Result<Evaluation, PointError> {
+pub(crate) fn evaluate(point: &Point, rows: &SharedRows<'_>, block_s: f64) -> Result<Evaluation, PointError> {
     let Experiment { arm_term_recordings, preprocess, .. } = &point.experiment;
     let model = point_model(&point.experiment, rows.bodies)?;
     let work = Work {
         model: &model,
         scopes: TermScopes::new(arm_term_recordings.clone()),
-        settings: loader.settings(&point.experiment),
+        settings: Settings::of(&point.experiment),
         f_dyn_hz: preprocess.f_dyn_hz,
         block_s,
         rows,

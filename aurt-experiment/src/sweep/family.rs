@@ -7,8 +7,8 @@ use aurt_traits::{MeasurementUnit, RobotModel};
 use toml::Table;
 
 use crate::sweep::definition::Validate;
-use crate::sweep::loading::Data;
-use crate::sweep::{Loader, Point, PointError};
+use crate::sweep::loading::{Data, Settings};
+use crate::sweep::{Point, PointError};
 
 /// What of an experiment does not touch the rows of the rigid bodies: points that differ in nothing else share them.
 const FREE_SECTIONS: [&str; 3] = ["joint_dynamics", "arm_terms", "plugins"];
@@ -54,11 +54,10 @@ pub(crate) fn point_model(
 pub(crate) fn with_shared_rows<R>(
     first: &Point,
     validate: Validate,
-    loader: &dyn Loader,
     work: impl FnOnce(&SharedRows<'_>) -> R,
 ) -> Result<R, PointError> {
-    let data = loader.load(&first.experiment, validate)?;
-    let settings = loader.settings(&first.experiment);
+    let data = Data::read(&first.experiment, validate)?;
+    let settings = Settings::of(&first.experiment);
     let Data { calibration, judged, unit, warnings } = &data;
     let bodies = first.experiment.rigid_body_dynamics()?;
     let model = point_model(&first.experiment, &bodies)?;

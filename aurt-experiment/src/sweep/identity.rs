@@ -14,7 +14,6 @@ use crate::sweep::definition::Validate;
 
 const VERSION: &str = "aurt sweep result 1";
 
-/// The file that [`code_is_in`] states.
 static CODE: OnceLock<PathBuf> = OnceLock::new();
 
 /// States that this code is loaded from a library, not from the program's executable; keys then depend on the library.

@@ -1,8 +1,13 @@
+//! How a sweep reads recordings and fits: as `aurt run` does.
+
 use crate::Experiment;
-use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
+use aurt::Role;
+use aurt::data::{Loaded, Purpose, Source};
+use aurt::duplicates::SampleRegister;
+use aurt::fitting::judged_rows;
+use aurt_calibration::{CalibrationOptions, Deviations, NamedRecording, ShapeOptions, ValidatedRows};
 use aurt_traits::MeasurementUnit;
 
-use crate::sweep::PointError;
 use crate::sweep::definition::Validate;
 
 /// The recordings of an experiment, preprocessed.
@@ -25,10 +30,44 @@ pub struct Settings {
     pub rows: ValidatedRows,
 }
 
-/// Reads recordings as `aurt run` does; the sweep itself reads none.
-pub trait Loader: Sync {
-    /// Reads and preprocesses the recordings of an experiment.
-    fn load(&self, experiment: &Experiment, validate: Validate) -> Result<Data, PointError>;
+impl Settings {
+    pub fn of(experiment: &Experiment) -> Self {
+        Self {
+            // Points are ranked by their errors; deviations that look at the rows again would cost more than a variant.
+            calibration: CalibrationOptions { deviations: Deviations::White, ..experiment.calibration },
+            shapes: ShapeOptions::default(),
+            rows: judged_rows(Role::Validation, experiment.preprocess.trim_rest),
+        }
+    }
+}
 
-    fn settings(&self, experiment: &Experiment) -> Settings;
+impl Data {
+    pub fn read(experiment: &Experiment, validate: Validate) -> Result<Self, aurt::Error> {
+        let pipeline = experiment.pipeline();
+        let each = |sources: &[Source], purpose| -> Result<Vec<Loaded>, aurt::Error> {
+            sources.iter().map(|source| pipeline.read(source.clone(), purpose)).collect()
+        };
+        let prepare = |recordings: &[Loaded], purpose| -> Result<Vec<_>, aurt::Error> {
+            recordings.iter().map(|loaded| pipeline.preprocess(loaded, purpose)).collect()
+        };
+        let calibration = each(&experiment.recordings.calibration, Purpose::Calibration)?;
+        let held_out = match validate {
+            Validate::HeldOut => each(&experiment.recordings.validation, Purpose::Validation)?,
+            Validate::LeaveOneOut => Vec::new(),
+        };
+        let role = |role: Role| move |loaded| (loaded, role.name());
+        let roles = calibration.iter().map(role(Role::Calibration));
+        SampleRegister::check(roles.chain(held_out.iter().map(role(Role::Validation))))?;
+        let judged = match validate {
+            Validate::HeldOut => &held_out,
+            Validate::LeaveOneOut => &calibration,
+        };
+        let read = || calibration.iter().chain(&held_out);
+        Ok(Self {
+            unit: pipeline.common_unit(read())?.unwrap_or_default(),
+            judged: prepare(judged, Purpose::Validation)?,
+            calibration: prepare(&calibration, Purpose::Calibration)?,
+            warnings: read().flat_map(Loaded::warnings).collect(),
+        })
+    }
 }

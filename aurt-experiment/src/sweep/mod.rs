@@ -31,7 +31,7 @@ pub use definition::{Definition, Setting, Step, Validate};
 pub use error::{PointError, SweepError};
 pub use folder::Folder;
 pub use identity::code_is_in;
-pub use loading::{Data, Loader, Settings};
+pub use loading::{Data, Settings};
 pub use place::Place;
 pub use plan::{Plan, PlannedPoint};
 pub use points::{Point, Sweep};

@@ -1,6 +1,5 @@
 //! Running points: on all cores, each result kept as soon as it is there.
 
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -11,23 +10,19 @@ use crate::Experiment;
 use aurt_plugins::Registry;
 use rayon::prelude::*;
 
-use crate::sweep::definition::Validate;
 use crate::sweep::evaluation::evaluate;
 use crate::sweep::family::{SharedRows, common_part, with_shared_rows};
 use crate::sweep::result::Outcome;
-use crate::sweep::{Folder, Loader, Plan, Point, PointError, Sweep, SweepError};
+use crate::sweep::{Folder, Plan, Point, PointError, Sweep, SweepError};
 
 /// What is told while points are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// How many points are to be run and how many results are there already.
+    /// How many results are there already.
     Begin {
-        missing: usize,
         present: usize,
     },
-    Done {
-        judged: bool,
-    },
+    Done,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,7 +32,6 @@ pub struct Summary {
     pub run: usize,
     /// Of all points, those that could not be judged.
     pub failed: usize,
-    /// Time from begin to end.
     pub elapsed: Duration,
     /// Groups of points that share recordings and rigid bodies.
     pub families: usize,
@@ -52,7 +46,6 @@ pub fn run(
     sweep: &Sweep,
     plan: &Plan,
     folder: &Folder,
-    loader: &dyn Loader,
     watch: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, SweepError> {
     let begin = Instant::now();
@@ -69,21 +62,16 @@ pub fn run(
             families.entry(common_part(&point.text)).or_default().push((k, point));
         }
     }
-    watch(Event::Begin { missing, present });
+    watch(Event::Begin { present });
     let summary = Summary { present, run: missing, failed, families: families.len(), ..Summary::default() };
-    let work = Runner { plan, folder, loader, watch, summary: Mutex::new(summary) };
+    let work = Runner { plan, folder, watch, summary: Mutex::new(summary) };
     families.values().collect::<Vec<_>>().par_iter().try_for_each(|points| work.family(points))?;
     Ok(Summary { elapsed: begin.elapsed(), ..work.finished() })
 }
 
 /// Runs one point of a planned sweep, counted from 1; one that has its result already is left alone. Returns whether it
 /// could be judged.
-pub fn run_point(
-    folder: &Folder,
-    number: usize,
-    registry: &mut Registry,
-    loader: &dyn Loader,
-) -> Result<bool, SweepError> {
+pub fn run_point(folder: &Folder, number: usize, registry: &mut Registry) -> Result<bool, SweepError> {
     let plan = folder.plan()?;
     let path = folder.path().to_owned();
     let index = number.checked_sub(1).filter(|k| *k < plan.points.len()).ok_or(SweepError::NoPoint {
@@ -98,7 +86,7 @@ pub fn run_point(
     if let Some(result) = folder.result(&plan.points[index].key) {
         return Ok(matches!(result.outcome, Outcome::Judged(_)));
     }
-    let runner = Runner { plan: &plan, folder, loader, watch: &|_| (), summary: Mutex::default() };
+    let runner = Runner { plan: &plan, folder, watch: &|_| (), summary: Mutex::default() };
     runner.family(&[(index, &point)])?;
     Ok(runner.finished().failed == 0)
 }
@@ -116,7 +104,6 @@ fn read_point(path: &Path, name: &str, registry: &mut Registry) -> Result<Point,
 struct Runner<'a> {
     plan: &'a Plan,
     folder: &'a Folder,
-    loader: &'a dyn Loader,
     watch: &'a (dyn Fn(Event) + Sync),
     summary: Mutex<Summary>,
 }
@@ -132,13 +119,12 @@ impl Runner<'_> {
 
     fn family(&self, points: &[(usize, &Point)]) -> Result<(), SweepError> {
         let Some((_, first)) = points.first() else { return Ok(()) };
-        let Plan { validate, .. } = *self.plan;
         let begin = Instant::now();
         let run = |rows: &SharedRows<'_>| {
             self.summary().preparation += begin.elapsed();
             points.par_iter().try_for_each(|(k, point)| self.point(*k, point, rows))
         };
-        match prepared(first, validate, self.loader, run) {
+        match caught(|| with_shared_rows(first, self.plan.validate, run)) {
             Ok(result) => result,
             // What they share cannot be had, so none of them can be judged.
             Err(error) => {
@@ -149,37 +135,43 @@ impl Runner<'_> {
 
     fn point(&self, k: usize, point: &Point, rows: &SharedRows<'_>) -> Result<(), SweepError> {
         let begin = Instant::now();
-        let attempt = AssertUnwindSafe(|| evaluate(point, rows, self.plan.block_s, self.loader));
-        let outcome = match catch_unwind(attempt) {
-            Ok(Ok(evaluation)) => Outcome::Judged(evaluation),
-            Ok(Err(error)) => Outcome::Failed(error.to_string()),
-            Err(panic) => Outcome::Failed(PointError::Panic(message(&*panic)).to_string()),
+        let outcome = match caught(|| evaluate(point, rows, self.plan.block_s)) {
+            Ok(evaluation) => Outcome::Judged(evaluation),
+            Err(error) => Outcome::Failed(error.to_string()),
         };
         self.summary().points += begin.elapsed();
         self.keep(k, outcome)
     }
 
     fn keep(&self, k: usize, outcome: Outcome) -> Result<(), SweepError> {
-        let judged = matches!(outcome, Outcome::Judged(_));
-        self.summary().failed += usize::from(!judged);
+        self.summary().failed += usize::from(matches!(outcome, Outcome::Failed(_)));
         self.folder.keep(&self.plan.points[k].key, outcome)?;
-        (self.watch)(Event::Done { judged });
+        (self.watch)(Event::Done);
         Ok(())
     }
 }
 
-/// [`with_shared_rows`], a panic being an error.
-fn prepared<R>(
-    first: &Point,
-    validate: Validate,
-    loader: &dyn Loader,
-    work: impl FnOnce(&SharedRows<'_>) -> R,
-) -> Result<R, PointError> {
-    catch_unwind(AssertUnwindSafe(|| with_shared_rows(first, validate, loader, work)))
-        .unwrap_or_else(|panic| Err(PointError::Panic(message(&*panic))))
+/// What `work` returns, a panic of it being an error.
+fn caught<R>(work: impl FnOnce() -> Result<R, PointError>) -> Result<R, PointError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+        Err(PointError::Panic(text.unwrap_or_else(|| "without a message".into())))
+    })
 }
 
-fn message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".into())
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_with_its_message() {
+        let panics = |formatted: bool| {
+            let caught: Result<(), _> =
+                caught(|| if formatted { panic!("out of {}", "cheese") } else { panic!("out of cheese") });
+            caught.unwrap_err().to_string()
+        };
+        assert_eq!(panics(false), "the program failed on this point: out of cheese");
+        assert_eq!(panics(true), panics(false));
+    }
 }

@@ -11,10 +11,10 @@ use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::robots::{DescribedRobot, JointFriction, ParameterFile};
 use aurt_rbd::{RobotDescription, carry_over};
-use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
+use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
 
-use crate::workbench::experiments::check_robot_of;
+use crate::workbench::experiments::{check_robot_of, friction};
 use crate::workbench::failure::Failure;
 
 /// What a description may leave of a joint's torque in the experiment's geometry, over that torque: lengths rounded to a
@@ -35,7 +35,6 @@ pub struct ChainEnds<'a> {
 #[derive(Debug, Clone)]
 pub struct GivenModel {
     pub calibrated: CalibratedModel,
-    /// What a person should know of how it was read.
     pub notes: Vec<String>,
 }
 
@@ -184,15 +183,10 @@ pub(super) fn model(
     dynamics: RigidBodyDynamics,
     registry: &Registry,
 ) -> Result<RobotModel, Failure> {
-    let stack = |friction: &JointFriction| -> Result<JointStack, Failure> {
-        let level = if friction.coulomb_nm == 0.0 { "absent" } else { "constant" };
-        let powers: &[u32] = if friction.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
-        let viscous = json!({ "model": "polynomial", "powers": powers });
-        Ok(JointStack::new(
-            registry.build_from_json(&json!({ "model": level }))?,
-            registry.build_from_json(&json!({ "model": "sign" }))?,
-            registry.build_from_json(&viscous)?,
-        )?)
+    let stack = |stated: &JointFriction| {
+        let level = if stated.coulomb_nm == 0.0 { "absent" } else { "constant" };
+        let powers: &[u32] = if stated.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
+        friction(registry, level, "sign", powers)
     };
     let stacks = described.friction.iter().map(stack).collect::<Result<_, _>>()?;
     let rotors: Vec<usize> =

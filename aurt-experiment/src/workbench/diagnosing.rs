@@ -61,7 +61,6 @@ pub struct Improved {
     pub experiment_toml: String,
     pub added: Vec<String>,
     pub model: CalibratedModel,
-    /// What a person should know about it.
     pub notes: Vec<String>,
     pub report: Page,
 }
@@ -72,7 +71,6 @@ impl Diagnosis {
         aurt::is_found(&self.verdict)
     }
 
-    /// The verdict in a dozen lines.
     pub fn to_text(&self, style: Style) -> String {
         let about_physics = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.about_physics);
         let Self { verdict, asked, held_out, .. } = self;

@@ -6,11 +6,27 @@ use aurt::fitting::{Assigned, Detail, Job};
 use aurt::origins::Origins;
 use aurt::{CalibratedModel, Outcome, Progress};
 use aurt_calibration::TermScopes;
+use aurt_plugins::Registry;
 use aurt_rbd::geometry_difference;
 use aurt_recording::{PreprocessOptions, Recording, RecordingError, RobotJoints};
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{JointStack, MeasurementUnit};
+use serde_json::json;
 
 use crate::workbench::failure::Failure;
+
+/// The friction of a joint: a Coulomb model times a hysteresis, and viscous friction of these powers.
+pub fn friction(
+    registry: &Registry,
+    coulomb: &str,
+    hysteresis: &str,
+    powers: &[u32],
+) -> Result<JointStack, Failure> {
+    Ok(JointStack::new(
+        registry.build_from_json(&json!({ "model": coulomb }))?,
+        registry.build_from_json(&json!({ "model": hysteresis }))?,
+        registry.build_from_json(&json!({ "model": "polynomial", "powers": powers }))?,
+    )?)
+}
 
 /// The part of a recording that is used.
 pub fn windowed(loaded: &Loaded) -> Result<Recording, RecordingError> {

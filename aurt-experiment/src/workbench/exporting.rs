@@ -25,12 +25,10 @@ use aurt::CalibratedModel;
 pub enum Target {
     /// A C99 header and source.
     C,
-    /// A MuJoCo model.
     Mjcf,
     Rust,
     Urdf,
     Sdf,
-    /// A functional mock-up unit.
     Fmu(Kind),
     /// Actuators of Isaac Lab, of drives alone.
     Isaac,
@@ -81,7 +79,6 @@ pub struct Exported {
     pub files: Vec<(String, Vec<u8>)>,
     pub changed: Vec<String>,
     pub lost: Vec<String>,
-    /// What a person should know of the files.
     pub notes: Vec<String>,
     /// Torques of each joint in a MuJoCo or URDF file, which AURT reads too, less those of the model.
     pub differences: Vec<TorqueDifference>,
@@ -217,7 +214,6 @@ const SEED: u64 = 1;
 const REACH: f64 = 3.0;
 const ACCELERATION: f64 = 10.0;
 
-/// The files of a target, of a model, for a robot called `name`.
 pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported, Failure> {
     with_source(model, name, |source, calibrated| {
         Ok(match target {

@@ -19,7 +19,6 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum Failure {
-    /// An experiment is wrong in one or more places.
     #[error(transparent)]
     Experiment(Box<ExperimentErrors>),
     /// What the library reports: robots, models, recordings, calibration, diagnosis.
@@ -88,7 +87,6 @@ impl Failure {
         Self::Output { option, path: path.into(), reason: reason.into(), remedy: remedy.into() }
     }
 
-    /// A file could not be written.
     pub fn write(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
         Self::Library(aurt::Error::Write { path: path.into(), source })
     }

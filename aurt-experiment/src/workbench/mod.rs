@@ -5,7 +5,7 @@
 //! | [`failure`] | why a command failed |
 //! | [`output`], [`table_file`] | where results go, tables of numbers |
 //! | [`experiments`], [`described_model`] | what an experiment asks of the library; descriptions as models |
-//! | [`streaming`], [`gains`], [`tracking`], [`sweeping`] | recordings longer than memory, gains of drives, drift, variants |
+//! | [`streaming`], [`gains`], [`tracking`] | recordings longer than memory, gains of drives, drift |
 //! | [`diagnosing`], [`next`], [`sensitivity`] | what a model lacks, the motion that decides what is open, and how large an effect could stay hidden |
 //! | [`driving`] | commands and positions instead of torques: drives |
 //! | [`exporting`] | models as files of other programs |
@@ -30,6 +30,5 @@ pub mod results;
 pub mod sensitivity;
 mod simulated;
 pub mod streaming;
-pub mod sweeping;
 pub mod table_file;
 pub mod tracking;

@@ -372,7 +372,6 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     assert!(read(folder().path(), &wrong).unwrap_err().contains("`drop`"));
 }
 
-/// An experiment with every key of `[drive]`.
 const DRIVEN: &str = include_str!("experiments/driven.toml");
 
 /// Every number of an experiment, replaced by one that no robot has: an error that names it, at the latest where the number is

@@ -14,53 +14,52 @@ const SCRIPT: &str = include_str!("view.js");
 impl Page {
     /// The page as one HTML document that needs nothing else. Its policy forbids every request.
     pub fn to_html(&self) -> String {
-        html(self)
+        let title = escape::text(&self.title);
+        let mut html = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
+             script-src 'unsafe-inline'; img-src data:\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+             </head>\n<body>\n<header>\n<h1>{title}</h1>\n"
+        );
+        let (class, sign, word) = match self.verdict.tone {
+            Tone::Good => ("good", "✓", "all well"),
+            Tone::Found => ("found", "◆", "found"),
+            Tone::Attention => ("attention", "!", "attention"),
+        };
+        let _ = writeln!(
+            html,
+            "<div class=\"verdict {class}\"><span class=\"sign\" role=\"img\" aria-label=\"{word}\">{sign}</span>\
+             <div><p class=\"headline\">{}</p>",
+            escape::text(&self.verdict.headline)
+        );
+        list(&mut html, &self.verdict.sentences);
+        html.push_str("</div></div>\n<nav aria-label=\"sections\"><ul>");
+        let titles = self.sections.iter().map(|s| s.title.as_str()).chain(["How it was computed"]);
+        for (k, title) in titles.enumerate() {
+            let _ = write!(html, "<li><a href=\"#section-{k}\">{}</a></li>", escape::text(title));
+        }
+        html.push_str("</ul></nav>\n</header>\n<main>\n");
+        for (k, part) in self.sections.iter().enumerate() {
+            section(&mut html, k, part);
+        }
+        let _ = write!(
+            html,
+            "<section id=\"section-{}\"><h2>How it was computed</h2>\n<dl>\n",
+            self.sections.len()
+        );
+        for (name, value) in &self.provenance {
+            let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escape::text(name), escape::text(value));
+        }
+        let _ = write!(
+            html,
+            "</dl>\n</section>\n</main>\n<script type=\"application/json\" id=\"results\">{}</script>\n\
+             <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+            escape::json(&self.results_json)
+        );
+        html
     }
-}
-
-fn html(page: &Page) -> String {
-    let title = escape::text(&page.title);
-    let mut html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'; img-src data:\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
-         </head>\n<body>\n<header>\n<h1>{title}</h1>\n"
-    );
-    let (class, sign, word) = match page.verdict.tone {
-        Tone::Good => ("good", "✓", "all well"),
-        Tone::Found => ("found", "◆", "found"),
-        Tone::Attention => ("attention", "!", "attention"),
-    };
-    let _ = writeln!(
-        html,
-        "<div class=\"verdict {class}\"><span class=\"sign\" role=\"img\" aria-label=\"{word}\">{sign}</span>\
-         <div><p class=\"headline\">{}</p>",
-        escape::text(&page.verdict.headline)
-    );
-    list(&mut html, &page.verdict.sentences);
-    html.push_str("</div></div>\n<nav aria-label=\"sections\"><ul>");
-    let titles = page.sections.iter().map(|s| s.title.as_str()).chain(["How it was computed"]);
-    for (k, title) in titles.enumerate() {
-        let _ = write!(html, "<li><a href=\"#section-{k}\">{}</a></li>", escape::text(title));
-    }
-    html.push_str("</ul></nav>\n</header>\n<main>\n");
-    for (k, part) in page.sections.iter().enumerate() {
-        section(&mut html, k, part);
-    }
-    let _ =
-        write!(html, "<section id=\"section-{}\"><h2>How it was computed</h2>\n<dl>\n", page.sections.len());
-    for (name, value) in &page.provenance {
-        let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escape::text(name), escape::text(value));
-    }
-    let _ = write!(
-        html,
-        "</dl>\n</section>\n</main>\n<script type=\"application/json\" id=\"results\">{}</script>\n\
-         <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-        escape::json(&page.results_json)
-    );
-    html
 }
 
 fn section(html: &mut String, number: usize, section: &Section) {

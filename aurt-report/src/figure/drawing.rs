@@ -1,6 +1,6 @@
 //! What all figures have in common: styles, text, the frame of a file.
 
-use super::style::{Mark, Style};
+use super::style::Style;
 use crate::escape;
 
 /// Colours of Okabe and Ito (2008), which people with any usual colour vision tell apart, on white; before and after
@@ -40,14 +40,6 @@ pub enum Sample {
     Mark,
     Window,
     Level(&'static str),
-}
-
-impl Sample {
-    pub const fn of(mark: Mark, style: Style) -> Self {
-        match mark {
-            Mark::Line | Mark::Points | Mark::Means => Self::Line(class(style)),
-        }
-    }
 }
 
 pub fn sample(sample: Sample) -> String {

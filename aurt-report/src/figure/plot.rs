@@ -83,7 +83,7 @@ impl Plot {
     pub(crate) fn legend(&self) -> Vec<(String, Sample)> {
         let mut entries: Vec<(String, Sample)> = Vec::new();
         let layers = self.panels.iter().flat_map(|p| &p.layers);
-        let shown = layers.map(|l| (&l.name, Sample::of(l.mark, l.style)));
+        let shown = layers.map(|l| (&l.name, Sample::Line(class(l.style))));
         let windows = self.panels.iter().flat_map(|p| &p.windows).map(|w| (&w.name, Sample::Window));
         for (name, sample) in shown.chain(windows) {
             if !name.is_empty() && !entries.iter().any(|(known, _)| known == name) {

@@ -12,7 +12,6 @@ pub enum Style {
     Floor,
 }
 
-/// How the values of a layer are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// Joined by a line; values that are not finite interrupt it.

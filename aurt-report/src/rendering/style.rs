@@ -13,11 +13,9 @@ use aurt_files::harmless;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Emphasis {
     Title,
-    /// Something that needs attention.
     Warning,
 }
 
-/// How text is set off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Style {
     /// Whether with the colours of a terminal (ANSI escape sequences).
@@ -35,7 +33,6 @@ static MARK: LazyLock<String> = LazyLock::new(|| {
 const SEQUENCES: [(char, &str); 3] = [('t', "\u{1b}[1m"), ('w', "\u{1b}[33m"), ('e', "\u{1b}[0m")];
 
 impl Style {
-    /// Text without escape sequences.
     pub const PLAIN: Self = Self { coloured: false };
 
     /// `text` between marks, if this style is coloured.

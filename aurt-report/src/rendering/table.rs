@@ -14,7 +14,6 @@ pub struct Table {
 
 /// The narrowest column of running text.
 const LEAST_REMARK: usize = 14;
-/// Spaces between two columns.
 const GAP: usize = 2;
 
 impl Table {

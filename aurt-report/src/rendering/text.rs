@@ -50,6 +50,11 @@ pub fn listed(items: &[String]) -> String {
     }
 }
 
+pub fn capital(sentence: &str) -> String {
+    let mut rest = sentence.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,13 +5,13 @@ use aurt_calibration::Comparison;
 use aurt_files::output::pretty;
 use serde_json::Value;
 
-use super::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem};
+use super::figures::{HOW_TO_LOOK, Series, TimeFigure, file_name, points_per_series, residuals_over, stem};
 use super::parts;
 use crate::figure::{Axis, BarGroup, Bars, Figure, Style};
 use crate::page::{Block, Page, Section, Tone, Verdict};
 use crate::rendering::number::{percent, significant};
 use crate::results::metrics::Results;
-use crate::table::{Cell, Table};
+use crate::table::Table;
 
 pub fn of_outcome(outcome: &Outcome) -> Page {
     let results = Results::of(outcome, &[]);
@@ -26,25 +26,11 @@ pub fn page(command: &str, results: &Results<'_>, experiment: Option<&str>, metr
         sections.extend([series(results), residuals(results)]);
     }
     sections.extend(results.calibration.essential.as_ref().map(super::essential::section));
-    sections.push(Section {
-        title: "Parameters".into(),
-        introduction: String::new(),
-        blocks: vec![parts::parameters(
-            &format!("{} coefficients", results.calibration.parameters.len()),
-            &results.calibration.parameters,
-            false,
-        )],
-    });
+    let parameters = &results.calibration.parameters;
+    let parameters = parts::parameters(format!("{} coefficients", parameters.len()), parameters);
+    sections.push(Section::new("Parameters", "", vec![parameters]));
     if let Some(text) = experiment {
-        sections.push(Section {
-            title: "Experiment".into(),
-            introduction: String::new(),
-            blocks: vec![Block::Folded {
-                title: "The experiment file".into(),
-                open: false,
-                blocks: vec![Block::Code(text.to_owned())],
-            }],
-        });
+        sections.push(parts::experiment("The experiment file", text));
     }
     Page {
         title: "Calibration of a robot model".into(),
@@ -110,7 +96,6 @@ fn verdict(results: &Results<'_>) -> Verdict {
 
 fn errors(results: &Results<'_>) -> Section {
     let unit = results.calibration.unit.symbol();
-    let mut blocks = Vec::new();
     let joints = results.model.joints();
     let pooled = |role: Role, joint: usize| {
         let of_role = || results.recordings.iter().filter(move |r| r.role == role);
@@ -127,7 +112,7 @@ fn errors(results: &Results<'_>) -> Section {
             level: None,
         })
         .collect();
-    blocks.push(Block::Figure(Figure::Bars(Bars {
+    let bars = Figure::Bars(Bars {
         title: "root mean square error".into(),
         name: "errors".into(),
         caption: "Each joint on its own scale.".into(),
@@ -136,54 +121,28 @@ fn errors(results: &Results<'_>) -> Section {
         level_name: String::new(),
         one_scale: false,
         groups,
-    })));
-    for recording in results.recordings {
-        blocks.push(Block::Table(table(recording, results)));
-    }
-    Section {
-        title: "Errors".into(),
-        introduction:
-            "NMSE is the mean squared error over the mean of |measurement|, NRMS the root of squared error \
-                       over squared measurement. Moving rows are those at which the joint itself moves."
-                .into(),
-        blocks,
-    }
+    });
+    let tables = results.recordings.iter().map(|recording| Block::Table(table(recording, results)));
+    Section::new(
+        "Errors",
+        "NMSE is the mean squared error over the mean of |measurement|, NRMS the root of squared error \
+         over squared measurement. Moving rows are those at which the joint itself moves.",
+        std::iter::once(Block::Figure(bars)).chain(tables).collect(),
+    )
 }
 
 fn table(recording: &RecordingResult, results: &Results<'_>) -> Table {
-    let (unit, names) = (results.calibration.unit.symbol(), results.names());
     let threshold = results.calibration.options.rest_velocity_rad_s;
     let validation = &recording.validation;
-    let mut table = Table::new(
-        format!(
-            "{} ({}), {} rows; moving: |q̇| > {threshold} rad/s",
-            file_name(&recording.label),
-            recording.role.name(),
-            validation.samples
-        ),
-        [
-            parts::joint_column(names).to_owned(),
-            format!("MSE {unit}²"),
-            format!("NMSE {unit}"),
-            "NRMS %".into(),
-            "moving rows".into(),
-            format!("MSE {unit}²"),
-            format!("NMSE {unit}"),
-            "NRMS %".into(),
-        ],
+    let caption = format!(
+        "{} ({}), {} rows; moving: |q̇| > {threshold} rad/s",
+        file_name(&recording.label),
+        recording.role.name(),
+        validation.samples
     );
-    for j in 0..validation.all.mse.len() {
-        let mut cells = vec![Cell::from(names.joint_cell(j))];
-        for (k, m) in [&validation.all, &validation.moving].into_iter().enumerate() {
-            if k == 1 {
-                cells.push(m.samples[j].to_string().into());
-            }
-            cells.push(significant(m.mse[j], 4).into());
-            cells.push(significant(m.nmse[j], 4).into());
-            cells.push(percent(m.nrmse[j]).into());
-        }
-        table.row(cells);
-    }
+    let joint = parts::joint_column(results.names());
+    let mut table = Table::new(caption, results.error_headings(joint, "moving rows"));
+    results.error_cells(validation).for_each(|cells| table.row(cells));
     table
 }
 
@@ -206,7 +165,6 @@ fn series(results: &Results<'_>) -> Section {
             let figure = TimeFigure {
                 title: format!("{}, {}", names.joint(j), stem(&recording.label)),
                 name: format!("{}_{}_joint_{j}", stem(&recording.label), recording.role.name()),
-                caption: String::new(),
                 time_s: &time,
                 segment_starts,
                 panels: vec![
@@ -230,14 +188,11 @@ fn series(results: &Results<'_>) -> Section {
             blocks: figures.collect(),
         });
     }
-    Section {
-        title: "Measured and predicted".into(),
-        introduction:
-            "Filtered and decimated as in the fit. Drag over a stretch to look closer, drag with Shift to \
-                       move, double-click for all; + − ← → 0 do the same once a plot has the focus."
-                .into(),
+    Section::new(
+        "Measured and predicted",
+        format!("Filtered and decimated as in the fit. {HOW_TO_LOOK}"),
         blocks,
-    }
+    )
 }
 
 fn residuals(results: &Results<'_>) -> Section {
@@ -255,39 +210,23 @@ fn residuals(results: &Results<'_>) -> Section {
                 joint.measured.iter().zip(&joint.predicted).map(|(y, p)| y - p).collect()
             });
             let coordinates = [
-                ("velocity", "rad/s", all(&|r| joint(r).velocity_rad_s)),
-                ("position", "rad", all(&|r| joint(r).position_rad)),
-                ("load torque", unit, all(&|r| joint(r).rigid_body)),
-                ("acceleration", "rad/s²", all(&|r| joint(r).acceleration_rad_s2)),
-                ("time", "s", all(&|r| r.comparison.time_s.iter().map(|t| t - r.first_stamp_s).collect())),
+                all(&|r| joint(r).velocity_rad_s),
+                all(&|r| joint(r).position_rad),
+                all(&|r| joint(r).rigid_body),
+                all(&|r| joint(r).acceleration_rad_s2),
+                all(&|r| r.comparison.time_s.iter().map(|t| t - r.first_stamp_s).collect()),
             ];
-            let figures = coordinates.into_iter().map(|(name, x_unit, x)| {
-                residual_over(
-                    format!("{} over {name}", names.joint(j)),
-                    format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
-                    Axis::new(name, x_unit),
-                    &x,
-                    unit,
-                    &[Series { name: "class means", style: Style::Before, values: &residual }],
-                )
-            });
-            Block::Folded {
-                title: names.joint(j),
-                open: j == 0,
-                blocks: vec![Block::Figures(figures.collect())],
-            }
+            let residual = Series { name: "class means", style: Style::Before, values: &residual };
+            residuals_over((j, names.joint(j)), j == 0, coordinates, unit, &[residual])
         })
         .collect();
     let of = if judged.iter().any(|r| r.role == Role::Validation) { "held-out" } else { "fitted" };
-    Section {
-        title: "What the residual follows".into(),
-        introduction: format!(
-            "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. With a \
-             complete model all means are near zero; where they deviate, physics is missing, and aurt diagnose \
-             searches for it."
-        ),
-        blocks,
-    }
+    let introduction = format!(
+        "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. With a \
+         complete model all means are near zero; where they deviate, physics is missing, and aurt diagnose \
+         searches for it."
+    );
+    Section::new("What the residual follows", introduction, blocks)
 }
 
 fn provenance(command: &str, results: &Results<'_>) -> Vec<(String, String)> {

@@ -8,16 +8,16 @@ use crate::results::essential::table;
 
 /// The picture of the loss and the table of the order.
 pub fn section(report: &EssentialReport) -> Section {
-    Section {
-        title: "Essential parameters".into(),
-        introduction: format!(
+    Section::new(
+        "Essential parameters",
+        format!(
             "{} of {} parameters predict as well as all: {} blocks of time, each predicted by a fit to the others. Parameters \
              leave one by one, each time the one that explains least; the last set is kept whose error has not grown \
              significantly (5 %, one-sided).",
             report.kept, report.parameters, report.blocks
         ),
-        blocks: vec![Block::Figure(picture(report)), Block::Table(table(report))],
-    }
+        vec![Block::Figure(picture(report)), Block::Table(table(report))],
+    )
 }
 
 fn picture(report: &EssentialReport) -> Figure {

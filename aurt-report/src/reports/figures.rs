@@ -3,6 +3,7 @@
 use crate::figure::{
     Axis, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means, subsample,
 };
+use crate::page::Block;
 
 pub struct Series<'a> {
     pub name: &'a str,
@@ -15,7 +16,6 @@ pub struct TimeFigure<'a> {
     pub title: String,
     /// Stem of the file name.
     pub name: String,
-    pub caption: String,
     pub time_s: &'a [f64],
     /// First samples of the stretches without gaps.
     pub segment_starts: &'a [usize],
@@ -26,6 +26,9 @@ pub struct TimeFigure<'a> {
     /// Figures that show the same part of time.
     pub link: String,
 }
+
+pub const HOW_TO_LOOK: &str = "Drag over a stretch to look closer, drag with Shift to move, double-click for all; + − ← → 0 do the \
+                               same once a plot has the focus.";
 
 /// Bytes that the series of one report may take, roughly.
 const BUDGET: usize = 2_500_000;
@@ -85,7 +88,7 @@ impl TimeFigure<'_> {
         Figure::Plot(Plot {
             title: self.title.clone(),
             name: self.name.clone(),
-            caption: self.caption.clone(),
+            caption: String::new(),
             x: Axis::new("time since the first stamp", "s"),
             panels,
             link: Some(self.link.clone()),
@@ -99,15 +102,39 @@ const CLOUD: usize = 500;
 /// Classes of equal count whose means are drawn.
 const CLASSES: usize = 16;
 
-/// One or two residuals over a coordinate, with means over classes of it.
-pub fn residual_over(
-    title: String,
-    name: String,
-    coordinate: Axis,
-    x: &[f64],
+/// Residuals of a joint over its velocity, position, load torque, acceleration and time, `x` in this order, folded under the joint's
+/// name.
+pub fn residuals_over(
+    (joint, name): (usize, String),
+    open: bool,
+    x: [Vec<f64>; 5],
     unit: &str,
     residuals: &[Series<'_>],
-) -> Figure {
+) -> Block {
+    let coordinates = [
+        ("velocity", "rad/s"),
+        ("position", "rad"),
+        ("load torque", unit),
+        ("acceleration", "rad/s²"),
+        ("time", "s"),
+    ];
+    let figures = coordinates.into_iter().zip(&x).map(|((coordinate, x_unit), x)| {
+        Figure::Plot(Plot {
+            title: format!("{name} over {coordinate}"),
+            name: format!("residual_joint_{joint}_over_{}", coordinate.replace(' ', "_")),
+            caption: String::new(),
+            x: Axis::new(coordinate, x_unit),
+            panels: vec![residual_panel(x, unit, residuals)],
+            link: None,
+            small: true,
+        })
+    });
+    let blocks = vec![Block::Figures(figures.collect())];
+    Block::Folded { title: name, open, blocks }
+}
+
+/// One or two residuals over a coordinate, with means over classes of it.
+fn residual_panel(x: &[f64], unit: &str, residuals: &[Series<'_>]) -> Panel {
     let mut layers = Vec::new();
     for residual in residuals {
         let finite: Vec<usize> =
@@ -128,15 +155,7 @@ pub fn residual_over(
     }
     // Means lie above all clouds.
     layers.sort_by_key(|l| l.mark == Mark::Means);
-    Figure::Plot(Plot {
-        title,
-        name,
-        caption: String::new(),
-        x: coordinate,
-        panels: vec![Panel { y: Axis::new("residual", unit), height: 130.0, layers, windows: Vec::new() }],
-        link: None,
-        small: true,
-    })
+    Panel { y: Axis::new("residual", unit), height: 130.0, layers, windows: Vec::new() }
 }
 
 /// The last part of a recording's name, for headings; the whole stands where it was computed from.

@@ -4,24 +4,24 @@ use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueCh
 use aurt_plugins::model::BASE_PARAMETER_SEED;
 use aurt_traits::{RobotModel, RobotNames};
 
-use crate::page::Block;
+use crate::page::{Block, Section};
 use crate::rendering::number::significant;
 use crate::table::{Cell, Table};
 
 /// The parameters with their intervals; those that nothing excites are set apart.
-pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -> Block {
+pub fn parameters(title: String, parameters: &[CalibratedParameter]) -> Block {
     let mut table = Table::new(
         "95 % confidence intervals, as in calibrated_parameters.csv",
         ["<parameter", "<unit", "value", "from", "to", "± % (1 σ)"],
     );
     let mut unexcited = Vec::new();
+    let is_weak = |p: &CalibratedParameter| p.relative_std_dev_percent.is_some_and(|r| r > 50.0);
     for p in parameters {
         if !p.excited {
             unexcited.push(p.name.as_str());
             continue;
         }
         let [low, high] = p.interval_95.map_or([f64::NAN; 2], |i| i);
-        let weak = p.relative_std_dev_percent.is_some_and(|r| r > 50.0);
         table.row([
             Cell::from(p.name.as_str()),
             Cell::from(p.unit.as_str()),
@@ -30,12 +30,12 @@ pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -
             Cell::from(significant(high, 4)),
             Cell {
                 text: p.relative_std_dev_percent.map_or_else(|| "–".into(), |r| significant(r, 2)),
-                strong: weak,
+                strong: is_weak(p),
             },
         ]);
     }
     let mut blocks = vec![Block::Table(table)];
-    if parameters.iter().any(|p| p.relative_std_dev_percent.is_some_and(|r| r > 50.0)) {
+    if parameters.iter().any(is_weak) {
         blocks.push(Block::Text(
             "Bold: the standard deviation exceeds half the value; these motions hardly excite the parameter."
                 .into(),
@@ -44,7 +44,12 @@ pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -
     if !unexcited.is_empty() {
         blocks.push(Block::Text(format!("Not excited, set to zero: {}.", unexcited.join(", "))));
     }
-    Block::Folded { title: title.to_owned(), open, blocks }
+    Block::Folded { title, open: false, blocks }
+}
+
+pub fn experiment(title: &str, text: &str) -> Section {
+    let blocks = vec![Block::Code(text.to_owned())];
+    Section::new("Experiment", "", vec![Block::Folded { title: title.into(), open: false, blocks }])
 }
 
 /// The title of a column of joints: names stand left, numbers right.

@@ -12,6 +12,7 @@ use crate::rendering::number::{percent, significant};
 use crate::rendering::style::{Emphasis, Style};
 use crate::rendering::table::Table;
 use crate::rendering::text::wrapped;
+use crate::reports::figures::file_name;
 
 /// A calibration with its errors on every recording.
 #[derive(Debug)]
@@ -179,7 +180,7 @@ impl Results<'_> {
     fn notes_by_sentence(&self) -> Vec<(&str, Vec<&str>)> {
         let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
         for recording in self.recordings {
-            let label = recording.label.rsplit(['/', '\\']).next().unwrap_or(&recording.label);
+            let label = file_name(&recording.label);
             for note in &recording.notes {
                 match notes.iter_mut().find(|(known, _)| known == note) {
                     Some((_, labels)) => labels.push(label),
@@ -190,42 +191,36 @@ impl Results<'_> {
         notes
     }
 
+    pub(crate) fn error_headings(&self, joint: &str, rows: &str) -> [String; 8] {
+        let unit = self.calibration.unit.symbol();
+        let errors = || [format!("MSE {unit}²"), format!("NMSE {unit}"), "NRMS %".into()];
+        let ([a, b, c], [d, e, f]) = (errors(), errors());
+        [joint.to_owned(), a, b, c, rows.to_owned(), d, e, f]
+    }
+
     /// One row per joint: errors over all rows and over those at which the joint moves.
-    fn table(&self, validation: &Validation) -> String {
-        let (unit, names) = (self.calibration.unit.symbol(), self.names());
-        let titles = [
-            "joint".to_owned(),
-            format!("MSE {unit}²"),
-            format!("NMSE {unit}"),
-            "NRMS %".into(),
-            "rows".into(),
-            format!("MSE {unit}²"),
-            format!("NMSE {unit}"),
-            "NRMS %".into(),
-        ];
-        let threshold = self.calibration.options.rest_velocity_rad_s;
-        let mut table = Table::new(titles)
-            .group(1, "")
-            .group(3, format!("all {} rows", validation.samples))
-            .group(4, format!("moving, |q̇| > {threshold} rad/s"))
-            .left(usize::from(!names.joints.is_empty()));
-        for joint in 0..validation.all.mse.len() {
+    pub(crate) fn error_cells<'v>(
+        &'v self,
+        validation: &'v Validation,
+    ) -> impl Iterator<Item = [String; 8]> + 'v {
+        (0..validation.all.mse.len()).map(|joint| {
             let errors = |m: &Metrics| {
                 [significant(m.mse[joint], 4), significant(m.nmse[joint], 4), percent(m.nrmse[joint])]
             };
-            let [a, b, c] = errors(&validation.all);
-            let [d, e, f] = errors(&validation.moving);
-            table.row([
-                names.joint_cell(joint),
-                a,
-                b,
-                c,
-                validation.moving.samples[joint].to_string(),
-                d,
-                e,
-                f,
-            ]);
-        }
+            let ([a, b, c], [d, e, f]) = (errors(&validation.all), errors(&validation.moving));
+            let rows = validation.moving.samples[joint].to_string();
+            [self.names().joint_cell(joint), a, b, c, rows, d, e, f]
+        })
+    }
+
+    fn table(&self, validation: &Validation) -> String {
+        let threshold = self.calibration.options.rest_velocity_rad_s;
+        let mut table = Table::new(self.error_headings("joint", "rows"))
+            .group(1, "")
+            .group(3, format!("all {} rows", validation.samples))
+            .group(4, format!("moving, |q̇| > {threshold} rad/s"))
+            .left(usize::from(!self.names().joints.is_empty()));
+        self.error_cells(validation).for_each(|cells| table.row(cells));
         table.render()
     }
 }

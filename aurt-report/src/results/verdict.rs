@@ -150,11 +150,11 @@ impl Shown<'_> {
 
 #[cfg(test)]
 mod tests {
+    use aurt_diagnosis::Indication;
     use aurt_diagnosis::vocabulary::Family;
-    use aurt_diagnosis::{Indication, JointResidual};
 
     use super::*;
-    use crate::words::tests::{finding, verdict};
+    use crate::words::tests::{finding, residual, verdict};
 
     fn text(verdict: &Verdict) -> String {
         let held_out = ["tuesday.mcap".to_owned()];
@@ -209,17 +209,7 @@ mod tests {
     fn a_table_of_joints_with_names_has_no_numbers_of_joints_and_fits_a_terminal() {
         let mut found = verdict(Answer::NoMismatch, Vec::new(), &[12.5, 0.2], &[12.5, 0.1]);
         found.joint_names = ["shoulder_pan_joint", "elbow"].map(str::to_owned).to_vec();
-        let residual = |joint, rms| JointResidual {
-            joint,
-            baseline_rms: rms,
-            unexplained_rms: rms,
-            floor_rms: 0.1,
-            structure_left: joint == 0,
-            follows: None,
-            follows_share: 0.0,
-            windows_s: Vec::new(),
-        };
-        found.residual = vec![residual(0, 12.5), residual(1, 0.1)];
+        found.residual = vec![residual(0, 12.5, true), residual(1, 0.1, false)];
         let said = text(&found);
         assert!(said.lines().all(|line| line.chars().count() <= WIDTH), "{said}");
         assert!(said.contains("\n  shoulder_pan_joint  12.5000"), "{said}");

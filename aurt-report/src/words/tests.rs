@@ -22,6 +22,19 @@ pub(crate) fn finding(effect: &str, family: Family, joints: &[usize], present_in
     }
 }
 
+pub(crate) fn residual(joint: usize, rms: f64, structure_left: bool) -> JointResidual {
+    JointResidual {
+        joint,
+        baseline_rms: rms,
+        unexplained_rms: rms,
+        floor_rms: 0.1,
+        structure_left,
+        follows: None,
+        follows_share: 0.0,
+        windows_s: Vec::new(),
+    }
+}
+
 pub(crate) fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
     Verdict {
         schema: aurt_diagnosis::SCHEMA,

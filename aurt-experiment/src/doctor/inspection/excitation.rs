@@ -97,7 +97,6 @@ fn variances(done: &Elimination) -> Vec<f64> {
     variances
 }
 
-/// The condition number of R, by columns.
 fn condition(r: &[Vec<f64>]) -> f64 {
     let n = r.len();
     let whole = r.iter().flat_map(|column| column.iter().copied().chain(std::iter::repeat(0.0)).take(n));

@@ -52,7 +52,6 @@ pub struct Inspected {
 }
 
 impl Inspected {
-    /// Looks at a recording.
     pub fn new(reading: Reading, preprocessing: &Preprocessing) -> Result<Self, Failure> {
         let Reading { loaded, stamps } = reading;
         let instrument = Instrument::default();

@@ -5,33 +5,25 @@ use aurt_report::rendering::number::significant;
 use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
-use super::series::{resolution, reversals, white_noise};
+use super::series::{range, resolution, reversals, rms, white_noise};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointReport {
-    /// Smallest and largest angle, rad.
     pub position_rad: [f64; 2],
-    /// Largest |q̇|, rad/s.
     pub max_velocity_rad_s: f64,
-    /// Largest |q̈|, rad/s².
     pub max_acceleration_rad_s2: f64,
-    /// Share of the samples at which the joint moves.
     pub moving_share: f64,
-    /// How often it turns round.
     pub reversals: usize,
     /// 99.9 % of the power of its velocity lies below this, Hz.
     pub bandwidth_hz: Option<f64>,
     pub position_step_rad: Option<f64>,
     pub position_noise_rad: Option<f64>,
-    /// What was measured; absent without measurement.
     pub measurement: Option<MeasurementReport>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasurementReport {
-    /// Smallest and largest value.
     pub range: [f64; 2],
-    /// Root mean square.
     pub rms: f64,
     pub step: Option<f64>,
     pub noise: Option<f64>,
@@ -67,7 +59,7 @@ impl JointReport {
                 let raw = longest.and_then(|s| s.raw_measurement.as_ref()).map(|m| m[joint].as_slice());
                 MeasurementReport {
                     range: range(series),
-                    rms: (series.iter().map(|v| v * v).sum::<f64>() / series.len().max(1) as f64).sqrt(),
+                    rms: rms(series),
                     step: resolution(series),
                     noise: white_noise(raw.unwrap_or(series)),
                 }
@@ -78,10 +70,6 @@ impl JointReport {
     pub fn moves(&self) -> bool {
         self.moving_share > 0.0
     }
-}
-
-fn range(values: &[f64]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }
 
 /// Motion and sensors as two tables, each its headings and its rows.

@@ -1,16 +1,15 @@
 //! Which parameters of a model motions determine, by their names.
 
+use crate::workbench::experiments::friction;
 use crate::workbench::failure::Failure;
 use aurt_calibration::{
     CalibratedParameter, CalibrationOptions, NamedRecording, TermScopes, accumulate, badly_excited,
     calibrate, hardly_excited,
 };
-use aurt_plugins::{Registry, SlotModel};
+use aurt_plugins::Registry;
 use aurt_report::rendering::number::significant;
 use aurt_report::rendering::text::wrapped;
-use aurt_traits::{
-    ArmTerm, CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
-};
+use aurt_traits::{ArmTerm, JointStack, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
 
 use super::excitation::{Excitation, Excited, judge};
@@ -26,30 +25,16 @@ pub struct Judged {
     pub warnings: Vec<String>,
 }
 
-pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
-    registry.build_from_json(&table).map_err(Into::into)
-}
-
-/// Coulomb friction of two models, and linear viscous friction.
-pub fn friction(registry: &Registry, coulomb: &str, hysteresis: &str) -> Result<JointStack, Failure> {
-    JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": coulomb }))?,
-        build::<dyn HysteresisModel>(registry, json!({ "model": hysteresis }))?,
-        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
-    )
-    .map_err(Into::into)
-}
-
 /// The least that a joint has.
 pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
-    friction(registry, "constant", "sign")
+    friction(registry, "constant", "sign", &[1])
 }
 
 /// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
 pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Failure> {
     ["rotor_inertia", "current_offset"]
-        .map(|model| build::<dyn ArmTerm>(registry, json!({ "model": model })))
-        .into_iter()
+        .iter()
+        .map(|model| Ok(registry.build_from_json(&json!({ "model": model }))?))
         .collect()
 }
 
@@ -95,7 +80,6 @@ impl Judged {
         Ok(Self { model, excited, warnings })
     }
 
-    /// What should be heeded, in sentences.
     pub fn findings(&self) -> Vec<String> {
         let (silent, combined) = (self.silent(), self.combined());
         let mut findings = Vec::new();

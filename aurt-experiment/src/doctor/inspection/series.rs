@@ -40,6 +40,15 @@ pub fn white_noise(values: &[f64]) -> Option<f64> {
     (!differences.is_empty()).then(|| median(&mut differences) / 0.674_489_75 / 70.0_f64.sqrt())
 }
 
+pub fn range(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
+}
+
+/// Root mean square; 0 of nothing.
+pub fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
 /// How often a velocity changes its direction, counting only strokes that reach `threshold`.
 pub fn reversals(velocity: &[f64], threshold: f64) -> usize {
     let mut direction = 0.0;

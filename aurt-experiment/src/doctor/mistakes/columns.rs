@@ -6,6 +6,7 @@ use aurt_recording::Recording;
 use aurt_traits::{MeasurementUnit, RobotNames};
 
 use super::slips::slips;
+use crate::doctor::inspection::series::{range, rms};
 
 /// A joint that moves no more than this rests, rad.
 const REST_RAD: f64 = 1e-4;
@@ -135,13 +136,8 @@ fn of_measurements(
 }
 
 fn span(series: &[f64]) -> f64 {
-    let [low, high] =
-        series.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+    let [low, high] = range(series);
     if high >= low { high - low } else { 0.0 }
-}
-
-fn rms(series: &[f64]) -> f64 {
-    (series.iter().map(|v| v * v).sum::<f64>() / series.len().max(1) as f64).sqrt()
 }
 
 fn same(a: &[f64], b: &[f64]) -> bool {

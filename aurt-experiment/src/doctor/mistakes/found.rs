@@ -4,7 +4,6 @@ use super::evidence::Evidence;
 use super::mistake::Mistake;
 use super::trial::Score;
 
-/// The result of the search.
 #[derive(Debug, Clone, Default)]
 pub struct Found {
     /// How well the setup as it is explains the data; nothing if it allows no fit.
@@ -13,7 +12,6 @@ pub struct Found {
     pub steps: Vec<Step>,
     /// How well the setup does without the mistakes.
     pub after: Option<Score>,
-    /// Fits that were tried.
     pub trials: usize,
     pub compared: Vec<Compared>,
 }

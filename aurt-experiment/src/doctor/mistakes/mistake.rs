@@ -6,10 +6,7 @@ use aurt_rbd::{Joint, MdhRows};
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mistake {
     /// Gravity points elsewhere, or has another size.
-    Gravity {
-        /// What it is, m/s².
-        to_m_s2: [f64; 3],
-    },
+    Gravity { to_m_s2: [f64; 3] },
     /// Links and joints are others.
     Geometry { what: Table, joints: Vec<Joint> },
     /// A recording is to be read otherwise.
@@ -49,9 +46,7 @@ pub enum Reading {
     Turns,
     /// Positions are those of motors behind a gear of this ratio.
     Geared(f64),
-    /// A joint's position has the other sign.
     PositionSign(usize),
-    /// A joint's measurement has the other sign.
     MeasurementSign(usize),
     /// A joint's axis points the other way: its position and its measurement have the other sign.
     AxisSign(usize),
@@ -59,7 +54,6 @@ pub enum Reading {
     /// Joints stand in another order: joint j is column `order[j]`.
     Order {
         of: Columns,
-        /// Where each joint is.
         order: Vec<usize>,
     },
     /// Measurements are of this much later than positions, s.
@@ -103,12 +97,10 @@ impl Columns {
     }
 }
 
-/// Every two of so many joints.
 pub(super) fn pairs(joints: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..joints).flat_map(move |a| (a + 1..joints).map(move |b| [a, b]))
 }
 
-/// An order with two of its columns exchanged.
 pub(super) fn exchanged(order: &[usize], [a, b]: [usize; 2]) -> Vec<usize> {
     let mut order = order.to_vec();
     order.swap(a, b);

@@ -46,7 +46,8 @@ use self::setup::{Extent, Setup};
 pub use self::setup::{Subject, median_period_s, recordings_of};
 use self::trial::Bench;
 pub use self::trial::Score;
-use crate::doctor::inspection::judged::{friction, often_left_out, plain_friction};
+use crate::doctor::inspection::judged::{often_left_out, plain_friction};
+use crate::workbench::experiments::friction;
 use crate::workbench::failure::Failure;
 
 /// Below this share a joint counts as hardly explained.
@@ -69,7 +70,6 @@ pub struct Examination {
     joint_names: Vec<String>,
 }
 
-/// Looks for the usual mistakes in a setup.
 pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Failure> {
     examined(subject, registry, Thorough::AnyJoint, None)
 }
@@ -100,8 +100,8 @@ fn examined(
         friction: plain_friction(registry)?,
         arm_terms,
         scopes: subject.scopes.clone(),
-        loaded_friction: friction(registry, "absolute", "sign")?,
-        presliding_friction: friction(registry, "constant", "maxwell_slip")?,
+        loaded_friction: friction(registry, "absolute", "sign", &[1])?,
+        presliding_friction: friction(registry, "constant", "maxwell_slip", &[1])?,
         compares: false,
         separate: false,
     };
@@ -136,7 +136,6 @@ fn examined(
 }
 
 impl Examination {
-    /// The joints as people read them.
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(&self.joint_names)
     }

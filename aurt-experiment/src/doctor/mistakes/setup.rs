@@ -28,9 +28,7 @@ const FITTED_SHARE: f64 = 0.7;
 const STRETCHES: usize = 3;
 /// Of the speed of a recording, what counts as rest.
 pub(super) const SLOW_SHARE: f64 = 0.1;
-/// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
-/// f_dyn of a trial, at most, Hz.
 const HIGHEST_F_DYN_HZ: f64 = 5.0;
 
 /// A robot with recordings of it, as a user has set them up.

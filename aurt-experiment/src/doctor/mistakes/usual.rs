@@ -9,7 +9,6 @@ use aurt_traits::MeasurementUnit;
 use super::mistake::{Columns, Mistake, Reading, Table, exchanged, pairs};
 use super::setup::{Setup, Subject};
 
-/// The earth's gravity, m/s².
 pub const EARTH_M_S2: f64 = 9.81;
 /// A gravity as large as this is left at its size.
 const EARTHLY_M_S2: [f64; 2] = [9.7, 9.9];

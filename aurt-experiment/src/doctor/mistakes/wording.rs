@@ -2,6 +2,7 @@
 
 use aurt_rbd::MdhRows;
 use aurt_report::rendering::number::significant;
+use aurt_report::rendering::text::capital;
 use aurt_traits::RobotNames;
 
 use super::found::Step;
@@ -46,11 +47,6 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String], names: Ro
         format!(" As well explained by: {}.", alike.join("; "))
     };
     format!("{seems}: {error}. {}.{or}", capital(&order))
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A list of numbers as an experiment writes it.

@@ -70,7 +70,6 @@ impl<'e> DiagnosedSetting<'e> {
         &self.setting.arm.chain
     }
 
-    /// What is doubtful about the recordings.
     pub(in crate::workbench) fn doubts(&self) -> Vec<String> {
         self.setting.doubts()
     }
@@ -384,28 +383,5 @@ fn line(f: &Finding, demands: &Demands, names: RobotNames<'_>, text: &mut String
             f.alternatives.join(", "),
             f.structure.decider
         );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use aurt::Progress;
-    use aurt_plugins::Registry;
-
-    use super::diagnose_drives;
-    use crate::Experiment;
-
-    #[test]
-    fn a_target_is_refused_and_not_passed_over() {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, text) in [("mdh.csv", "alpha,a,d\n0,0,0\n"), ("a.csv", ""), ("b.csv", "")] {
-            std::fs::write(folder.path().join(name), text).unwrap();
-        }
-        let text = "schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, -9.81, 0.0]\n[recordings]\n\
-                    calibration = [\"a.csv\"]\ntarget = [\"b.csv\"]\n[drive]\nmodel = \"pd_law\"\n";
-        let path = folder.path().join("experiment.toml");
-        let experiment = Experiment::parse(text, &path, &mut Registry::linked().unwrap()).unwrap();
-        let refused = diagnose_drives(&experiment, &[], &Progress::silent()).map(|_| ()).unwrap_err();
-        assert!(refused.to_string().contains("b.csv is a target"), "{refused}");
     }
 }

@@ -84,7 +84,6 @@ impl CalibratedDrive {
         Ok(pretty(&saved).into_bytes())
     }
 
-    /// The joints as people read them.
     pub fn names(&self) -> RobotNames<'_> {
         RobotNames::of_joints(&self.joint_names)
     }
@@ -110,7 +109,6 @@ impl CalibratedDrive {
     }
 }
 
-/// What a `[drive]` gave.
 #[derive(Debug)]
 pub struct DriveOutcome {
     pub text: String,

@@ -30,7 +30,6 @@ pub(super) struct Setting<'e> {
     pub(super) selection: &'e Selection,
     pub(super) options: Options,
     pub(super) recordings: Vec<Read>,
-    /// Remarks for a person.
     pub(super) notes: Vec<String>,
 }
 

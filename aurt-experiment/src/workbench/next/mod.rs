@@ -32,7 +32,6 @@ use crate::workbench::failure::Failure;
 use exchange::Exchange;
 use keep_out::KeepOutCheck;
 
-/// How the next motion is planned.
 #[derive(Debug, Clone)]
 pub struct NextOptions {
     pub diagnosis: DiagnosisOptions,
@@ -44,9 +43,7 @@ pub struct NextOptions {
     pub wanted: Vec<DeviationGoal>,
     /// Longest duration in s.
     pub duration_s: f64,
-    /// Pieces that are drawn.
     pub draws: usize,
-    /// Seed of all random numbers.
     pub seed: u64,
 }
 
@@ -64,14 +61,12 @@ pub struct Next {
     pub joint_names: Vec<String>,
     /// The expected logarithm of the ratio of likelihoods that settles a doubt with the probability `SURE`.
     sure_nats: f64,
-    /// Rows per second of the recordings.
     pub rate_hz: f64,
     /// True of a motion of commands that drives follow.
     pub is_of_drives: bool,
     pub notes: Vec<String>,
 }
 
-/// A motion that was planned.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub trajectory: Trajectory,
@@ -139,7 +134,6 @@ pub fn plan_next(
     )
 }
 
-/// The check of motions against boxes, if there are some.
 fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<KeepOutCheck>, Failure> {
     if boxes.is_empty() {
         return Ok(None);
@@ -164,7 +158,6 @@ fn keep_out_check(experiment: &Experiment, boxes: &[KeepOut]) -> Result<Option<K
 struct PlannedArm<'a> {
     joint_names: Vec<String>,
     limits: Vec<MotionLimits>,
-    /// Rows per second of the recordings.
     rate_hz: f64,
     /// The largest torque of each joint that was recorded; of drives the largest distance of position and command, rad.
     recorded: Vec<f64>,
@@ -174,7 +167,6 @@ struct PlannedArm<'a> {
     notes: Vec<String>,
 }
 
-/// Rows per second of stamps.
 fn rate_hz(time_s: &[f64]) -> f64 {
     let span_s = time_s.last().unwrap_or(&0.0) - time_s.first().unwrap_or(&0.0);
     if span_s > 0.0 { (time_s.len() - 1) as f64 / span_s } else { 1.0 }
@@ -346,7 +338,6 @@ impl<D: Discriminator> Planner<'_, D> {
         Ok(safe)
     }
 
-    /// True for motions that no box forbids.
     fn is_allowed(&self, motion: &Trajectory) -> bool {
         self.check.is_none_or(|check| check.allow(motion).unwrap_or(false))
     }

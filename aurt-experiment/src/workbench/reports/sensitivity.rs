@@ -9,7 +9,6 @@ use aurt_simulation::inject::Presence;
 use aurt_traits::RobotNames;
 use serde_json::Value;
 
-use super::section;
 use crate::workbench::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
 
 #[derive(Debug)]
@@ -36,14 +35,14 @@ impl Answered<'_> {
             "What the model leaves, joint by joint",
             format!("{} {}", left.join(", "), real.unit.symbol()),
         ));
-        let sizes = section(
+        let sizes = Section::new(
             "Sizes",
             "A smaller effect may be present and undetected; a larger one would have been detected.",
             vec![Block::Table(self.sizes())],
         );
         let mut sections = vec![sizes, self.pictures()];
         if !self.checks.is_empty() {
-            sections.push(section(
+            sections.push(Section::new(
                 "Checked with whole diagnoses",
                 "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
                  not.",
@@ -147,7 +146,7 @@ impl Answered<'_> {
                 })
             })
             .collect();
-        section(
+        Section::new(
             "The same beside what the model leaves",
             "Root mean square of an effect's torque over that of what the model leaves of the recordings as they \
                            are; shorter is better.",

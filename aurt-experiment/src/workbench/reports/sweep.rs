@@ -7,7 +7,6 @@ use aurt_report::reports::parts;
 use aurt_report::{BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use serde_json::{Value, json};
 
-use super::section;
 use crate::workbench::results::sweep_table::{overall, ranges, readable};
 
 /// Points that the page has in its tables.
@@ -21,18 +20,10 @@ pub fn page(ranking: &Ranking, plan: &Plan, definition: Option<&str>) -> Page {
     let mut sections = vec![compared(&shown, &left_out), errors(&shown)];
     let troubles = troubles(&shown);
     if !troubles.is_empty() {
-        sections.push(section("Troubles", "", troubles));
+        sections.push(Section::new("Troubles", "", troubles));
     }
     if let Some(text) = definition {
-        sections.push(section(
-            "Experiment",
-            "",
-            vec![Block::Folded {
-                title: "The experiment with its section sweep".into(),
-                open: false,
-                blocks: vec![Block::Code(text.to_owned())],
-            }],
-        ));
+        sections.push(parts::experiment("The experiment with its section sweep", text));
     }
     let mut provenance = parts::program("sweep");
     provenance.push(parts::entry("Experiment", plan.experiment.display().to_string()));
@@ -152,7 +143,7 @@ fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
         }));
         table.row(cells);
     }
-    section(
+    Section::new(
         "Compared with the reference",
         "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
                        best.",
@@ -180,7 +171,7 @@ fn errors(ranking: &Ranking) -> Section {
         cells.extend(r.joints.iter().map(|j| j.mse.map_or_else(|| "–".into(), |m| significant(m, 4))));
         absolute.row(cells);
     }
-    section("Errors on what was not fitted", "", vec![Block::Table(relative), Block::Table(absolute)])
+    Section::new("Errors on what was not fitted", "", vec![Block::Table(relative), Block::Table(absolute)])
 }
 
 fn troubles(ranking: &Ranking) -> Vec<Block> {

@@ -12,7 +12,6 @@ use aurt_report::{
 use aurt_traits::RobotNames;
 use serde_json::Value;
 
-use super::section;
 use crate::workbench::tracking::{Alarm, Tracked, TrackedRecording};
 
 pub fn page(tracked: &Tracked, document: &Value) -> Page {
@@ -45,7 +44,7 @@ pub fn page(tracked: &Tracked, document: &Value) -> Page {
         },
         sections: vec![
             charts(tracked),
-            section(
+            Section::new(
                 "Each recording alone",
                 "Friction and gains are relative to the calibrated model's: 0.1 is 10 % more.",
                 vec![Block::Table(table(tracked))],
@@ -163,7 +162,7 @@ fn charts(tracked: &Tracked) -> Section {
             })
         })
     });
-    section(
+    Section::new(
         "Drift",
         "Points: each recording alone, between the ends of its 95 % interval. Line: the tracked estimate, in \
                        which old rows fade.",

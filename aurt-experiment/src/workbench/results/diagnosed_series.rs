@@ -62,7 +62,7 @@ impl DiagnosedSeries {
             quantities: quantities.filter_map(|(name, series)| Some((name, series?))).collect(),
             flags: vec![("located", located), ("stands_out", stands_out)],
         }
-        .to_file(format, Path::new(name), &[("part", format!("{role:?}").to_lowercase())])
+        .to_file(format, Path::new(name), &[("part", role.name().to_owned())])
     }
 }
 

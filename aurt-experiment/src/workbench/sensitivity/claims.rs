@@ -27,7 +27,6 @@ impl Claims {
         self
     }
 
-    /// Whether the verdict says that something has no name.
     pub const fn is_unexplained(&self) -> bool {
         self.unexplained
     }

@@ -7,7 +7,6 @@ use aurt_calibration::{
 
 use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
 
-/// Where a window lies.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     source: usize,

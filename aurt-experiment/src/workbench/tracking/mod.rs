@@ -225,10 +225,8 @@ pub fn track(
     Ok(tracked)
 }
 
-/// Recordings of the unchanged machine.
 #[derive(Default)]
 struct UnchangedMachine {
-    /// The recordings of each motion.
     motions: Vec<Vec<NamedRecording>>,
     /// The joints of each recording whose rows do not count.
     without: Vec<Vec<usize>>,
@@ -309,7 +307,6 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-/// First and last stamp, s.
 fn span_s(loaded: &Loaded) -> [f64; 2] {
     let Recording { time_s, report, .. } = &*loaded.recording;
     [time_s.first(), time_s.last()].map(|stamp| stamp.map_or(f64::NAN, |s| report.origin_s + s))

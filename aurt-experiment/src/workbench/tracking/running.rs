@@ -68,7 +68,6 @@ impl<'a> Running<'a> {
         }
     }
 
-    /// Follows until no row comes any more.
     pub(super) fn follow(mut self, said: &mut dyn FnMut(&Alarm)) -> Result<(), Failure> {
         let name = Path::new("standard input").to_owned();
         let input = standard_input().map_err(|source| RecordingError::Unreadable {

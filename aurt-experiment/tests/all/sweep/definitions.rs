@@ -8,7 +8,6 @@ fn names(sweep: &str) -> Vec<String> {
     Bench::new(sweep).read().unwrap().points.into_iter().map(|p| p.name).collect()
 }
 
-/// The complaints, without the path.
 fn refused(sweep: &str) -> Vec<String> {
     let error = Bench::new(sweep).read().unwrap_err();
     let SweepError::Definition(errors) = error else { panic!("{error}") };

@@ -2,9 +2,9 @@
 
 use std::fs;
 
-use aurt_experiment::sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
+use aurt_experiment::sweep::{Folder, Outcome, Plan, Ranking, Rows, SweepError, run_point};
 
-use super::bench::{Bench, TestLoader, contents, registry};
+use super::bench::{Bench, contents, registry};
 
 const GRID: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\", \"absolute\"]\n\
                     \"joint_dynamics.viscous.powers\" = [[1], [1, 3]]\n";
@@ -125,10 +125,10 @@ fn points_by_themselves_make_what_the_whole_makes() {
     drop(planned);
     let folder = Folder::shared(&bench.path("parts")).unwrap();
     for number in [3, 1, 6, 2, 5, 4, 4] {
-        assert!(run_point(&folder, number, &mut registry(), &TestLoader).unwrap());
+        assert!(run_point(&folder, number, &mut registry()).unwrap());
     }
     assert_eq!(contents(&bench.path("parts")), contents(&bench.path("whole")));
-    let refused = |number| run_point(&folder, number, &mut registry(), &TestLoader).unwrap_err();
+    let refused = |number| run_point(&folder, number, &mut registry()).unwrap_err();
     assert!(matches!(refused(0), SweepError::NoPoint { .. }));
     assert!(matches!(refused(7), SweepError::NoPoint { points: 6, .. }));
     // A recording that has changed since the plan makes another point of it.
@@ -137,29 +137,17 @@ fn points_by_themselves_make_what_the_whole_makes() {
 }
 
 #[test]
-fn a_plugin_that_panics_fails_its_point_alone() {
-    struct Panics;
-    impl Loader for Panics {
-        fn load(
-            &self,
-            _: &aurt_experiment::Experiment,
-            _: aurt_experiment::sweep::Validate,
-        ) -> Result<aurt_experiment::sweep::Data, aurt_experiment::sweep::PointError> {
-            panic!("out of cheese")
-        }
-        fn settings(&self, experiment: &aurt_experiment::Experiment) -> aurt_experiment::sweep::Settings {
-            TestLoader.settings(experiment)
-        }
-    }
+fn points_without_recordings_fail_and_say_why() {
     let bench = Bench::new(GRID);
     let sweep = bench.read().unwrap();
     let folder = Folder::for_sweep(&bench.path("out"), &sweep).unwrap();
     let plan = Plan::of(&sweep, &registry()).unwrap();
     folder.write_plan(&sweep, &plan).unwrap();
-    let summary = aurt_experiment::sweep::run(&sweep, &plan, &folder, &Panics, &|_| ()).unwrap();
+    fs::remove_file(bench.path("a.csv")).unwrap();
+    let summary = aurt_experiment::sweep::run(&sweep, &plan, &folder, &|_| ()).unwrap();
     assert_eq!((summary.run, summary.failed), (6, 6));
     let result = folder.result(&plan.points[0].key).unwrap();
-    assert!(matches!(&result.outcome, Outcome::Failed(e) if e.contains("out of cheese")));
+    assert!(matches!(&result.outcome, Outcome::Failed(e) if e.contains("a.csv")));
 }
 
 #[test]

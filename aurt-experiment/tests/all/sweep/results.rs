@@ -1,32 +1,27 @@
 //! Results are those of the plain way, and they are ranked and marked as they deserve.
 
-use aurt_calibration::{Metrics, ShapeOptions, TermScopes, ValidatedRows, calibrate_shapes, validate};
-use aurt_experiment::sweep::{Folder, JointErrors, Point, Ranking, Rows};
-use aurt_traits::MeasurementUnit;
+use aurt_calibration::{Metrics, TermScopes, calibrate_shapes, validate};
+use aurt_experiment::sweep::{Data, Folder, JointErrors, Point, Ranking, Rows, Settings, Validate};
 
-use super::bench::{Bench, TestLoader, judged, options};
+use super::bench::{Bench, judged};
 
 const VARIANTS: &str = include_str!("variants.toml");
 
 /// Fits to some recordings and judges on another, without anything shared.
-fn plainly(point: &Point, chosen: &[usize], out: Option<usize>) -> (Vec<f64>, Metrics, Metrics) {
+fn plainly(point: &Point, by: Validate, chosen: &[usize], out: usize) -> (Vec<f64>, Metrics, Metrics) {
     let experiment = &point.experiment;
-    let sources = &experiment.recordings.calibration;
-    let fitted: Vec<_> = chosen.iter().map(|k| sources[*k].clone()).collect();
-    let judged = out.map_or_else(|| experiment.recordings.validation[0].clone(), |k| sources[k].clone());
-    let fitted = TestLoader::read(experiment, &fitted, true).unwrap();
-    let judged = TestLoader::read(experiment, &[judged], false).unwrap();
+    let (data, settings) = (Data::read(experiment, by).unwrap(), Settings::of(experiment));
     let (model, calibration) = calibrate_shapes(
         &experiment.robot_model().unwrap(),
-        &fitted,
+        &chosen.iter().map(|k| data.calibration[*k].clone()).collect::<Vec<_>>(),
         &TermScopes::everywhere(),
-        MeasurementUnit::NewtonMetre,
+        data.unit,
         experiment.preprocess.f_dyn_hz,
-        &options(experiment),
-        &ShapeOptions::default(),
+        &settings.calibration,
+        &settings.shapes,
     )
     .unwrap();
-    let validation = validate(&model, &calibration, &judged[0], ValidatedRows::WhileInMotion).unwrap();
+    let validation = validate(&model, &calibration, &data.judged[out], settings.rows).unwrap();
     (calibration.coefficients(), validation.all, validation.moving)
 }
 
@@ -55,7 +50,7 @@ fn results_are_those_of_a_plain_run() {
     let sweep = bench.read().unwrap();
     for (point, result) in sweep.points.iter().zip(bench.results("out", &plan)) {
         let fold = &judged(&result).unwrap().folds[0];
-        let (coefficients, all, moving) = plainly(point, &[0, 1, 2], None);
+        let (coefficients, all, moving) = plainly(point, Validate::HeldOut, &[0, 1, 2], 0);
         for (found, expected) in fold.parameters.iter().zip(&coefficients) {
             let scale = expected.abs() + found.std_dev.unwrap_or(f64::MIN_POSITIVE);
             assert!(
@@ -84,7 +79,7 @@ fn leave_one_out_judges_each_recording_by_a_fit_to_the_others() {
             let others: Vec<usize> = (0..3).filter(|k| *k != out).collect();
             assert_eq!(fold.calibrated_on.len(), 2);
             assert_eq!(fold.judged.len(), 1);
-            let (_, all, moving) = plainly(point, &others, Some(out));
+            let (_, all, moving) = plainly(point, Validate::LeaveOneOut, &others, out);
             same(&fold.judged[0].all, &all);
             same(&fold.judged[0].moving, &moving);
         }
@@ -100,7 +95,7 @@ fn points_of_other_preprocessing_are_families_of_their_own() {
     assert_eq!((summary.run, summary.families), (4, 2));
     let sweep = bench.read().unwrap();
     for (point, result) in sweep.points.iter().zip(bench.results("out", &plan)) {
-        let (_, all, _) = plainly(point, &[0, 1, 2], None);
+        let (_, all, _) = plainly(point, Validate::HeldOut, &[0, 1, 2], 0);
         same(&judged(&result).unwrap().folds[0].judged[0].all, &all);
     }
 }

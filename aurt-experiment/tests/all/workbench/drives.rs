@@ -298,6 +298,14 @@ fn what_a_servo_lacks_is_named_and_exported() {
     assert_eq!(model.to_isaac("servo", None).unwrap().lost.len(), 2);
 }
 
+#[test]
+fn a_target_is_refused_and_not_passed_over() {
+    let folder = folder_of([("a.csv", &[0.0]), ("b.csv", &[0.0])]);
+    let text = EXPERIMENT.replace("[recordings]", "[recordings]\ntarget = [\"b.csv\"]");
+    let refused = diagnose_drives(&read(folder.path(), &text), &[], &Progress::silent()).unwrap_err();
+    assert!(refused.to_string().contains("b.csv is a target"), "{refused}");
+}
+
 /// Presence of files in the folder of public recordings.
 fn has_data(folder: &str) -> bool {
     let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);

@@ -4,10 +4,10 @@ use aurt_diagnosis::{Evidence, Finding, RegisteredFinding, effects};
 use aurt_traits::RobotNames;
 use serde_json::Value;
 
-use super::{Diagnosed, capital};
+use super::Diagnosed;
 use crate::page::{Block, Section};
 use crate::rendering::number::significant;
-use crate::rendering::text::listed;
+use crate::rendering::text::{capital, listed};
 use crate::table::Table;
 use crate::words::{all_indicated, claim, groups, nothing, objection};
 
@@ -41,14 +41,12 @@ impl Diagnosed<'_> {
             let lines = all_indicated(self.verdict, self.asked);
             blocks.push(Block::List(lines.iter().map(|line| format!("{}.", capital(line))).collect()));
         }
-        Section {
-            title: "What was found".into(),
-            introduction:
-                "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
-                           confused with."
-                    .into(),
+        Section::new(
+            "What was found",
+            "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
+             confused with.",
             blocks,
-        }
+        )
     }
 
     fn finding(&self, finding: &Finding) -> Vec<Block> {

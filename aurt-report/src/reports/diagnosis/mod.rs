@@ -6,7 +6,7 @@ mod rows;
 
 use aurt::{Asked, Explanation};
 use aurt_calibration::Calibration;
-use aurt_diagnosis::{Answer, QuestionedRecording, RecordingSeries, Role, Share, Verdict as Found};
+use aurt_diagnosis::{Answer, QuestionedRecording, RecordingSeries, Share, Verdict as Found};
 use aurt_files::output::pretty;
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
@@ -17,6 +17,7 @@ use crate::figure::{BarGroup, Bars, Figure, Style};
 use crate::noise_report::{NoiseReport, NoiseState};
 use crate::page::{Block, Page, Section, Verdict};
 use crate::rendering::number::significant;
+use crate::rendering::text::capital;
 use crate::table::{Cell, Table};
 use crate::words::{self, Group, claim, follows, groups, nothing, objection};
 
@@ -30,7 +31,6 @@ pub struct Diagnosed<'a> {
     pub improved: (&'a RobotModel, &'a Calibration),
     /// The lines that the improved experiment has and the original has not.
     pub added: Vec<String>,
-    /// Notes about the improved model.
     pub notes: &'a [String],
     /// What was done to each recording, in the order of the series.
     pub recording_notes: Vec<Vec<String>>,
@@ -85,7 +85,7 @@ impl Diagnosed<'_> {
         ));
         for (series, notes) in self.series.iter().zip(&self.recording_notes) {
             provenance
-                .push(parts::entry(format!("{} ({})", series.name, role(series.role)), notes.join("; ")));
+                .push(parts::entry(format!("{} ({})", series.name, series.role.name()), notes.join("; ")));
         }
         provenance.extend(
             parts::calibration_provenance(model, calibration)
@@ -101,7 +101,6 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// Whether there is anything to add to the model.
     const fn found(&self) -> bool {
         !self.verdict.effects.is_empty()
             || !self.verdict.registered_models.is_empty()
@@ -229,14 +228,13 @@ impl Diagnosed<'_> {
                 Cell::from(share(explained)),
             ]);
         }
-        Section {
-            title: "Before and after".into(),
-            introduction: "Before: the model in question. After: with what was found. The left columns are of the rows \
-                           that were fitted, where both models were fitted to all of them; on held-out rows the model \
-                           in question is as it was calibrated. Bold: more than noise."
-                .into(),
-            blocks: vec![self.where_it_is(Figure::Bars(bars), &errors), Block::Table(table)],
-        }
+        Section::new(
+            "Before and after",
+            "Before: the model in question. After: with what was found. The left columns are of the rows \
+             that were fitted, where both models were fitted to all of them; on held-out rows the model \
+             in question is as it was calibrated. Bold: more than noise.",
+            vec![self.where_it_is(Figure::Bars(bars), &errors), Block::Table(table)],
+        )
     }
 
     /// The bars, beside the arm if it can be drawn.
@@ -262,18 +260,15 @@ impl Diagnosed<'_> {
             blocks.push(Block::List(notes));
         }
         blocks.push(parts::parameters(
-            &format!("{} coefficients of the improved model", calibration.parameters.len()),
+            format!("{} coefficients of the improved model", calibration.parameters.len()),
             &calibration.parameters,
-            false,
         ));
-        Section {
-            title: "The improved model".into(),
-            introduction:
-                "improved.toml is the experiment with what was found, rd_improved.json the model calibrated \
-                           from it; run, predict and diagnose accept them."
-                    .into(),
+        Section::new(
+            "The improved model",
+            "improved.toml is the experiment with what was found, rd_improved.json the model calibrated \
+             from it; run, predict and diagnose accept them.",
             blocks,
-        }
+        )
     }
 
     /// The gears that would have shown, joint by joint.
@@ -336,14 +331,12 @@ impl Diagnosed<'_> {
                 "Every known effect would be visible in these recordings if it were present.".into(),
             ));
         }
-        Section {
-            title: "Limits".into(),
-            introduction:
-                "What this diagnosis could not see, and what it moved. An effect that the rest of the model \
-                           absorbs leaves no error behind: these recordings can neither show nor exclude it."
-                    .into(),
+        Section::new(
+            "Limits",
+            "What this diagnosis could not see, and what it moved. An effect that the rest of the model \
+             absorbs leaves no error behind: these recordings can neither show nor exclude it.",
             blocks,
-        }
+        )
     }
 }
 
@@ -353,17 +346,4 @@ fn times(multiple: f64) -> String {
 
 fn file_names(recordings: &[String]) -> String {
     recordings.iter().map(|r| file_name(r)).collect::<Vec<_>>().join(", ")
-}
-
-fn capital(sentence: &str) -> String {
-    let mut rest = sentence.chars();
-    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
-}
-
-const fn role(role: Role) -> &'static str {
-    match role {
-        Role::Calibration => "calibration",
-        Role::Target => "target",
-        Role::Validation => "validation",
-    }
 }

@@ -2,10 +2,12 @@
 
 use aurt_diagnosis::{RecordingSeries, Role};
 
-use super::{Diagnosed, role};
+use super::Diagnosed;
 use crate::figure::{Axis, Style};
 use crate::page::{Block, Section};
-use crate::reports::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem};
+use crate::reports::figures::{
+    HOW_TO_LOOK, Series, TimeFigure, file_name, points_per_series, residuals_over, stem,
+};
 
 impl Diagnosed<'_> {
     /// Windows that are set off in one joint's figure: those of findings, and those in which the rest stands out.
@@ -60,8 +62,7 @@ impl Diagnosed<'_> {
                 ));
                 let figure = TimeFigure {
                     title: format!("{}, {}", names.joint(j), stem(&series.name)),
-                    name: format!("{}_{}_joint_{j}", stem(&series.name), role(series.role)),
-                    caption: String::new(),
+                    name: format!("{}_{}_joint_{j}", stem(&series.name), series.role.name()),
                     time_s: &series.time_s,
                     segment_starts: &series.segment_starts,
                     panels,
@@ -74,10 +75,10 @@ impl Diagnosed<'_> {
                 (Role::Validation, _) => "held out".to_owned(),
                 (of, true) => format!(
                     "{}, held out from {:.1} s",
-                    role(of),
+                    of.name(),
                     series.time_s.get(series.held_out_from).copied().unwrap_or(0.0)
                 ),
-                (of, false) => role(of).to_owned(),
+                (of, false) => of.name().to_owned(),
             };
             blocks.push(Block::Folded {
                 title: format!("{} ({part})", file_name(&series.name)),
@@ -85,14 +86,14 @@ impl Diagnosed<'_> {
                 blocks: figures.collect(),
             });
         }
-        Section {
-            title: "Measured and predicted".into(),
-            introduction: "Filtered and decimated as in the fit. Interrupted lines: rows that do not count, because the \
-                           joint is at rest or the recording is faulty. Drag over a stretch to look closer, drag with Shift \
-                           to move, double-click for all; + − ← → 0 do the same once a plot has the focus."
-                .into(),
+        Section::new(
+            "Measured and predicted",
+            format!(
+                "Filtered and decimated as in the fit. Interrupted lines: rows that do not count, because the joint is at rest or the \
+                 recording is faulty. {HOW_TO_LOOK}"
+            ),
             blocks,
-        }
+        )
     }
 
     pub(super) fn over_coordinates(&self) -> Section {
@@ -118,39 +119,26 @@ impl Diagnosed<'_> {
                 };
                 let before = all(|s, j| &s.joints[j].before);
                 let after = all(|s, j| &s.joints[j].after);
-                let coordinates: [(&str, &str, Pick); 5] = [
-                    ("velocity", "rad/s", |s, j| &s.joints[j].velocity_rad_s),
-                    ("position", "rad", |s, j| &s.joints[j].position_rad),
-                    ("load torque", unit, |s, j| &s.joints[j].load_torque),
-                    ("acceleration", "rad/s²", |s, j| &s.joints[j].acceleration_rad_s2),
-                    ("time", "s", |s, _| &s.time_s),
+                let coordinates: [Pick; 5] = [
+                    |s, j| &s.joints[j].velocity_rad_s,
+                    |s, j| &s.joints[j].position_rad,
+                    |s, j| &s.joints[j].load_torque,
+                    |s, j| &s.joints[j].acceleration_rad_s2,
+                    |s, _| &s.time_s,
                 ];
-                let figures = coordinates.map(|(name, x_unit, of)| {
-                    residual_over(
-                        format!("{} over {name}", names.joint(j)),
-                        format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
-                        Axis::new(name, x_unit),
-                        &all(of),
-                        unit,
-                        &[
-                            Series { name: "before", style: Style::Before, values: &before },
-                            Series { name: "after", style: Style::After, values: &after },
-                        ],
-                    )
-                });
-                Block::Folded {
-                    title: names.joint(j),
-                    open: worst.is_some_and(|w| w.joint == j),
-                    blocks: vec![Block::Figures(figures.into())],
-                }
+                let residuals = [
+                    Series { name: "before", style: Style::Before, values: &before },
+                    Series { name: "after", style: Style::After, values: &after },
+                ];
+                let open = worst.is_some_and(|w| w.joint == j);
+                residuals_over((j, names.joint(j)), open, coordinates.map(all), unit, &residuals)
             })
             .collect();
-        Section {
-            title: "What the residual follows".into(),
-            introduction: "Residuals of the held-out rows over each coordinate, with means over classes of equal count. \
-                           A trend that is present before and absent after is explained; one that remains after is still missing."
-                .into(),
+        Section::new(
+            "What the residual follows",
+            "Residuals of the held-out rows over each coordinate, with means over classes of equal count. \
+             A trend that is present before and absent after is explained; one that remains after is still missing.",
             blocks,
-        }
+        )
     }
 }
