@@ -74,6 +74,14 @@ fn noise_grows_with_a_load() {
     let said = folder.run("diagnose experiment.toml --out out").stdout();
     assert!(said.starts_with("changed since calibration: a payload of "), "{said}");
     assert!(!said.contains("× noise"), "{said}");
+    // A given model carries it as well.
+    let rotors = "[[arm_terms]]\nmodel = 'rotor_inertia'\njoints = [0, 1, 2, 3, 4, 5]\n[recordings]";
+    folder.write("given.toml", &folder.read("experiment.toml").replacen("[recordings]", rotors, 1));
+    folder.run("run given.toml --out given").succeeded();
+    let said = folder.run("diagnose given.toml --model given/rd_calibrated.json --out out_given").stdout();
+    let headline = said.split("\nchanged in the target:").next().unwrap().replace('\n', " ");
+    assert!(headline.starts_with("changed since calibration: a payload of "), "{said}");
+    assert!(!headline.contains(" and ") && !said.contains("× noise"), "{said}");
 }
 
 /// A sensor that takes up 6 % of its neighbour's torque since calibration: known laws resemble parts of it.

@@ -129,7 +129,7 @@ impl Parts<'_> {
         &self,
         (baseline, fitted): (&Baseline, &Fitted),
         chosen: &[usize],
-        roles: &[Role],
+        rows: &[RecordingRows],
         noise: &mut [RecordingNoise],
         floors: &mut [Vec<f64>],
     ) -> Result<(), DiagnosisError> {
@@ -145,13 +145,13 @@ impl Parts<'_> {
                 loads.push(*law);
             }
         }
-        if loads.is_empty() || baseline.frozen {
+        if loads.is_empty() {
             return Ok(());
         }
         let law = self.final_model(&loads)?;
         let own = fitted.own(self.own, self.base);
         for (r, recording) in self.question.recordings.iter().enumerate() {
-            let coefficients = law.coefficients(&own, fitted, roles[r]);
+            let coefficients = law.coefficients(&own, fitted, rows[r].role);
             let load = match baseline.load {
                 LoadTorque::Literal => LoadTorque::Literal,
                 LoadTorque::Fitted(_) => LoadTorque::Fitted(coefficients.clone()),
@@ -160,9 +160,7 @@ impl Parts<'_> {
             let data = &recording.data.data;
             let loaded = noise[r].under(data, &fit)?;
             for (j, floor) in floors[r].iter_mut().enumerate() {
-                let [before, after] = [&noise[r], &loaded].map(|noise| noise.all_left(j, data));
-                let (before, after) = (before?, after?);
-                *floor *= if before > 0.0 { after / before } else { 1.0 };
+                *floor += loaded.mean_left(j, data)? - noise[r].mean_left(j, data)?;
             }
             noise[r] = loaded;
         }
@@ -302,9 +300,17 @@ pub(super) fn load_noise(
         investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]).collect();
     let fitted = Fitted::new(investigation, investigation.switches_of(chosen.iter().copied()));
     let chosen: Vec<usize> = chosen.iter().map(|group| group.candidate).collect();
-    let roles: Vec<Role> = investigation.rows.iter().map(|r| r.role).collect();
     let Investigation {
-        candidates, partition, layout, base_switches, baseline, floor, noise, floors, ..
+        candidates,
+        partition,
+        layout,
+        base_switches,
+        baseline,
+        floor,
+        noise,
+        floors,
+        rows,
+        ..
     } = investigation;
     let parts = Parts {
         question,
@@ -316,7 +322,7 @@ pub(super) fn load_noise(
         own: &baseline.coefficients,
         floor,
     };
-    parts.load_noise((baseline, &fitted), &chosen, &roles, noise, floors)?;
+    parts.load_noise((baseline, &fitted), &chosen, rows, noise, floors)?;
     let Investigation { rows, floors, noise_notes, .. } = investigation;
     let left = &fitted.fit.coefficients;
     noise_notes.extend(bound_floors(

@@ -121,11 +121,12 @@ impl RecordingNoise {
         Ok(Self { segments: segments.collect::<Result<_, DiagnosisError>>()?, ..self.clone() })
     }
 
-    /// Squares that noise leaves of a joint in all rows of a recording.
-    pub(crate) fn all_left(&self, joint: usize, data: &Preprocessed) -> Result<f64, DiagnosisError> {
+    /// Mean square that noise leaves of a joint over all rows of a recording.
+    pub(crate) fn mean_left(&self, joint: usize, data: &Preprocessed) -> Result<f64, DiagnosisError> {
+        let rows: usize = data.segments.iter().map(Segment::rows).sum();
         let segments = data.segments.iter().zip(&self.segments);
         let of_segment = |(segment, noise): (&Segment, &SegmentNoise)| {
-            Ok(noise.power_left(joint, segment)? * segment.rows() as f64)
+            Ok(noise.power_left(joint, segment)? * segment.rows() as f64 / rows.max(1) as f64)
         };
         segments.map(of_segment).sum()
     }

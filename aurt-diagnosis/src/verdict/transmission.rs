@@ -43,7 +43,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
     ]);
     let joint = question.names().joint(shaking.joint);
     let slides = question.model.rigid_body().slides(shaking.joint);
-    let unit = |of| if slides { question.unit.express_sliding(of) } else { question.unit.express(of) };
+    let unit = |of| question.unit.express_of_joint(of, slides);
     let play = shaking.gap_rad[0] > 0.0;
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
