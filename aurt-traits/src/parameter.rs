@@ -48,16 +48,22 @@ impl MeasurementUnit {
         }
     }
 
-    /// [`Self::express`] of a joint that slides, which has forces and lengths where others have torques and angles.
+    /// [`Self::express`] of a joint that turns, or slides: then it has forces and lengths where others have torques and angles.
     ///
     /// ```
     /// use aurt_traits::MeasurementUnit::{Ampere, NewtonMetre};
-    /// assert_eq!(NewtonMetre.express_sliding("Nm s/rad"), "N s/m");
-    /// assert_eq!(NewtonMetre.express_sliding("kg m^2"), "kg");
-    /// assert_eq!(Ampere.express_sliding("kg m^2"), "A/N kg");
+    /// assert_eq!(NewtonMetre.express_of_joint("Nm s/rad", true), "N s/m");
+    /// assert_eq!(NewtonMetre.express_of_joint("kg m^2", true), "kg");
+    /// assert_eq!(Ampere.express_of_joint("kg m^2", true), "A/N kg");
+    /// assert_eq!(Ampere.express_of_joint("Nm s/rad", false), "A s/rad");
     /// ```
-    pub fn express_sliding(self, unit: &str) -> String {
-        self.express(unit).replace("kg m^2", "kg").replace("Nm", "N").replace("rad", "m")
+    pub fn express_of_joint(self, unit: &str, slides: bool) -> String {
+        let expressed = self.express(unit);
+        if slides {
+            expressed.replace("kg m^2", "kg").replace("Nm", "N").replace("rad", "m")
+        } else {
+            expressed
+        }
     }
 }
 

@@ -259,11 +259,7 @@ impl RobotModel {
         let mut joints = (0..self.joints()).filter(|joint| self.rows[*joint].contains(&column));
         let slides =
             matches!((joints.next(), joints.next()), (Some(joint), None) if self.rigid_body.slides(joint));
-        if slides && !self.is_load()[column] {
-            measured.express_sliding(unit)
-        } else {
-            measured.express(unit)
-        }
+        measured.express_of_joint(unit, slides && !self.is_load()[column])
     }
 
     /// The column ranges, in order.

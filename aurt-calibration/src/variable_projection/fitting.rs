@@ -102,7 +102,7 @@ pub fn calibrate_shapes_rows(
     let bandwidth = rows.bandwidth();
     let coefficients = shaped.fitted.estimate.solution.coefficients.clone();
     let precision =
-        precision(&problem, &point, &found, &owners, &coefficients, (options.estimator, bandwidth))?;
+        precision(&problem, &point, &found, &owners, &coefficients, (unit, options.estimator, bandwidth))?;
     let count = shaped.fitted.system.factors().iter().map(crate::JointFactor::rows).sum::<usize>() as f64;
     let mut report = ShapeReport {
         shapes: precision.shapes,
@@ -133,8 +133,8 @@ pub fn calibrate_shapes_rows(
         .map(|v| (bandwidth * v).sqrt())
         .collect();
     report.widen(&model, &calibration.parameters, &white, &shift.unwrap_or_default());
-    calibration.about_physics.extend(report.bounded(unit));
-    calibration.warnings.extend(report.warnings(unit));
+    calibration.about_physics.extend(report.bounded());
+    calibration.warnings.extend(report.warnings());
     calibration.shape_fit = Some(report);
     Ok((model, calibration))
 }

@@ -1,4 +1,4 @@
-use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel, Scale};
+use aurt_traits::{ColumnGroup, RobotModel, Scale};
 use serde::{Deserialize, Serialize};
 
 use crate::CalibratedParameter;
@@ -13,7 +13,7 @@ pub struct FittedShape {
     pub model: String,
     /// Its name, equal to the model's configuration key.
     pub name: String,
-    /// Its unit.
+    /// Its unit in a model of what was measured, of a joint that turns or slides.
     pub unit: String,
     /// Its value in the model that the search began with.
     pub start: f64,
@@ -120,17 +120,17 @@ impl ShapeReport {
     }
 
     /// The shapes that some rule chooses, with their values; empty without any.
-    fn listed(&self, unit: MeasurementUnit, choose: impl Fn(&&FittedShape) -> bool) -> String {
+    fn listed(&self, choose: impl Fn(&&FittedShape) -> bool) -> String {
         let names = self.shapes.iter().filter(choose).map(|s| match s.unit.as_str() {
             "1" => format!("{} = {:.4}", s.label(), s.value),
-            of => format!("{} = {:.4} {}", s.label(), s.value, unit.express(of)),
+            of => format!("{} = {:.4} {}", s.label(), s.value, of),
         });
         names.collect::<Vec<_>>().join("; ")
     }
 
     /// The warning of shapes at a limit of their model.
-    pub(super) fn bounded(&self, unit: MeasurementUnit) -> Option<String> {
-        let bounded = self.listed(unit, |s| s.at_bound);
+    pub(super) fn bounded(&self) -> Option<String> {
+        let bounded = self.listed(|s| s.at_bound);
         (!bounded.is_empty()).then(|| {
             format!(
                 "shape parameters at a bound, where the model degenerates or the recordings do not determine them: {bounded}; \
@@ -140,9 +140,9 @@ impl ShapeReport {
     }
 
     /// What a user should know of the shapes.
-    pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
-        let mut warnings = Vec::from_iter(self.bounded(unit));
-        let shifted = self.listed(unit, |s| s.is_shifted());
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::from_iter(self.bounded());
+        let shifted = self.listed(|s| s.is_shifted());
         if !shifted.is_empty() {
             warnings.push(format!(
                 "position noise may have shifted shape parameters by more than all other errors together (included in \
@@ -150,7 +150,7 @@ impl ShapeReport {
                  (`aurt explain position_bias`)"
             ));
         }
-        let silent = self.listed(unit, |s| !s.at_bound && s.std_dev.is_none());
+        let silent = self.listed(|s| !s.at_bound && s.std_dev.is_none());
         if !silent.is_empty() {
             warnings.push(format!("shape parameters not determined by the recordings: {silent}"));
         }

@@ -1,3 +1,5 @@
+use aurt_traits::{ColumnGroup, MeasurementUnit};
+
 use super::owner::{Owner, value};
 use super::problem::{Point, Problem};
 use super::report::FittedShape;
@@ -22,7 +24,7 @@ pub(super) fn precision(
     found: &Found,
     begin: &[Owner],
     coefficients: &[f64],
-    (estimator, bandwidth): (Estimator, f64),
+    (unit, estimator, bandwidth): (MeasurementUnit, Estimator, f64),
 ) -> Result<Precision, CalibrationError> {
     let n = problem.model.parameters().len();
     let owners: Vec<usize> = (0..problem.owners.len()).collect();
@@ -38,31 +40,33 @@ pub(super) fn precision(
     }
     let mut shapes = Vec::new();
     for (o, owner) in problem.owners.iter().enumerate() {
+        let bodies = problem.model.rigid_body();
+        let slides = matches!(owner.group, ColumnGroup::JointDynamics(joint) if bodies.slides(joint));
         for (i, shape) in owner.shapes.iter().enumerate() {
-            let unit = point.units[o][i];
+            let at = point.units[o][i];
             let deviation = free
                 .iter()
                 .position(|s| s.shape == (o, i))
                 .map(|k| n + k)
-                .filter(|k| solution.excited[*k] && !at_bound(unit))
+                .filter(|k| solution.excited[*k] && !at_bound(at))
                 .map(|k| (solution.covariance[k * total + k] * bandwidth).sqrt());
             let estimate = shape.value;
             let mut fitted = FittedShape {
                 group: owner.group,
                 model: owner.models[i].clone(),
                 name: shape.name.clone(),
-                unit: shape.unit.clone(),
+                unit: unit.express_of_joint(&shape.unit, slides),
                 start: begin[o].shapes[i].value,
                 value: estimate,
                 std_dev: None,
                 shift_by_position_noise: None,
                 interval_95: deviation.map(|d| {
-                    [-1.0, 1.0].map(|side| value(shape, (unit + side * NORMAL_95 * d).clamp(0.0, 1.0)))
+                    [-1.0, 1.0].map(|side| value(shape, (at + side * NORMAL_95 * d).clamp(0.0, 1.0)))
                 }),
                 lower: shape.lower,
                 upper: shape.upper,
                 scale: shape.scale,
-                at_bound: at_bound(unit),
+                at_bound: at_bound(at),
                 agreeing_starts: found.agreeing[o],
             };
             fitted.std_dev = deviation.map(|d| d * fitted.slope());

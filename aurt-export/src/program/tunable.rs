@@ -32,15 +32,13 @@ impl Tunable {
     /// What can be chosen in a model.
     pub fn new(source: &Source<'_>, chain: &SerialChain) -> Self {
         let constant = source.model.base().len();
-        let mut parameters: Vec<Parameter> = (source.model.parameters().iter().zip(source.coefficients))
-            .skip(constant)
-            .map(|(p, value)| Parameter {
-                name: p.name.clone(),
-                unit: p.unit.clone(),
-                description: format!("coefficient {} in {}", p.name, p.unit),
-                start: *value,
-            })
-            .collect();
+        let all = source.model.parameters().iter().zip(source.coefficients).enumerate();
+        let parameter = |(column, (p, value)): (usize, (&aurt_traits::Parameter, &f64))| {
+            let unit = source.model.unit(column, source.unit);
+            let description = format!("coefficient {} in {unit}", p.name);
+            Parameter { name: p.name.clone(), unit, description, start: *value }
+        };
+        let mut parameters: Vec<Parameter> = all.skip(constant).map(parameter).collect();
         let gravity_m_s2 = chain.gravity_m_s2();
         let size = gravity_m_s2.iter().map(|g| g * g).sum::<f64>().sqrt();
         let [x, y, z] = gravity_m_s2;

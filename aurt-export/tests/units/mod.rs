@@ -130,6 +130,7 @@ fn what_cannot_be_a_unit_is_refused_by_name() {
     let amperes = Source { unit: MeasurementUnit::Ampere, ..good };
     let xml = text(&files(&export(&amperes, Kind::Inverse).unwrap()), "modelDescription.xml");
     assert!(xml.contains("name=\"current[0]\"") && !xml.contains("payload_mass_kg"), "{xml}");
+    assert!(xml.contains("in A s/rad") && !xml.contains("Nm s/rad"), "{xml}");
 }
 
 /// Compiles the sources of a unit strictly, with the program that drives it, and drives it; nothing where there is no C

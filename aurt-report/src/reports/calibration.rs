@@ -5,9 +5,11 @@ use aurt_calibration::Comparison;
 use aurt_files::output::pretty;
 use serde_json::Value;
 
-use super::figures::{HOW_TO_LOOK, Series, TimeFigure, file_name, points_per_series, residuals_over, stem};
+use super::figures::{
+    HOW_TO_LOOK, Series, TimeFigure, file_name, measured_axis, points_per_series, residuals_over, stem,
+};
 use super::parts;
-use crate::figure::{Axis, BarGroup, Bars, Figure, Style};
+use crate::figure::{BarGroup, Bars, Figure, Style};
 use crate::page::{Block, Page, Section, Tone, Verdict};
 use crate::rendering::number::{percent, significant};
 use crate::results::metrics::Results;
@@ -132,13 +134,13 @@ fn errors(results: &Results<'_>) -> Section {
 }
 
 fn table(recording: &RecordingResult, results: &Results<'_>) -> Table {
-    let threshold = results.calibration.options.rest_velocity_rad_s;
     let validation = &recording.validation;
     let caption = format!(
-        "{} ({}), {} rows; moving: |q̇| > {threshold} rad/s",
+        "{} ({}), {} rows; moving: |q̇| > {}",
         file_name(&recording.label),
         recording.role.name(),
-        validation.samples
+        validation.samples,
+        results.rest_velocity()
     );
     let joint = parts::joint_column(results.names());
     let mut table = Table::new(caption, results.error_headings(joint, "moving rows"));
@@ -162,6 +164,7 @@ fn series(results: &Results<'_>) -> Section {
             let residual: Vec<f64> =
                 joint.measured.iter().zip(&joint.predicted).map(|(y, p)| y - p).collect();
             let label = |name, style, values| Series { name, style, values };
+            let slides = results.model.rigid_body().slides(j);
             let figure = TimeFigure {
                 title: format!("{}, {}", names.joint(j), stem(&recording.label)),
                 name: format!("{}_{}_joint_{j}", stem(&recording.label), recording.role.name()),
@@ -169,13 +172,16 @@ fn series(results: &Results<'_>) -> Section {
                 segment_starts,
                 panels: vec![
                     (
-                        Axis::new(unit.quantity(), unit.symbol()),
+                        measured_axis(None, unit, slides),
                         vec![
                             label("measured", Style::Measured, &joint.measured),
                             label("predicted", Style::Predicted, &joint.predicted),
                         ],
                     ),
-                    (Axis::new("residual", unit.symbol()), vec![label("residual", Style::Before, &residual)]),
+                    (
+                        measured_axis(Some("residual"), unit, slides),
+                        vec![label("residual", Style::Before, &residual)],
+                    ),
                 ],
                 windows: &[],
                 link: format!("recording {k}"),
@@ -198,7 +204,7 @@ fn series(results: &Results<'_>) -> Section {
 fn residuals(results: &Results<'_>) -> Section {
     let judged = judged(results);
     let names = results.names();
-    let unit = results.calibration.unit.symbol();
+    let bodies = results.model.rigid_body();
     let blocks = (0..results.model.joints())
         .map(|j| {
             let all = |of: &dyn Fn(&RecordingResult) -> Vec<f64>| -> Vec<f64> {
@@ -217,6 +223,7 @@ fn residuals(results: &Results<'_>) -> Section {
                 all(&|r| r.comparison.time_s.iter().map(|t| t - r.first_stamp_s).collect()),
             ];
             let residual = Series { name: "class means", style: Style::Before, values: &residual };
+            let unit = (results.calibration.unit, bodies.slides(j));
             residuals_over((j, names.joint(j)), j == 0, coordinates, unit, &[residual])
         })
         .collect();

@@ -1,5 +1,7 @@
 //! Figures that several reports have: series over time, residuals over coordinates.
 
+use aurt_traits::MeasurementUnit;
+
 use crate::figure::{
     Axis, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means, subsample,
 };
@@ -102,21 +104,30 @@ const CLOUD: usize = 500;
 /// Classes of equal count whose means are drawn.
 const CLASSES: usize = 16;
 
+/// The axis of something measured on a joint, which turns or slides.
+pub fn measured_axis(quantity: Option<&str>, measured: MeasurementUnit, slides: bool) -> Axis {
+    let is_force = slides && measured == MeasurementUnit::NewtonMetre;
+    let own = if is_force { "force" } else { measured.quantity() };
+    Axis::new(quantity.unwrap_or(own), &measured.express_of_joint("Nm", slides))
+}
+
 /// Residuals of a joint over its velocity, position, load torque, acceleration and time, `x` in this order, folded under the joint's
 /// name.
 pub fn residuals_over(
     (joint, name): (usize, String),
     open: bool,
     x: [Vec<f64>; 5],
-    unit: &str,
+    (measured, slides): (MeasurementUnit, bool),
     residuals: &[Series<'_>],
 ) -> Block {
+    let of_joint = |unit: &str| MeasurementUnit::NewtonMetre.express_of_joint(unit, slides);
+    let unit = &measured.express_of_joint("Nm", slides);
     let coordinates = [
-        ("velocity", "rad/s"),
-        ("position", "rad"),
+        ("velocity", &of_joint("rad/s")),
+        ("position", &of_joint("rad")),
         ("load torque", unit),
-        ("acceleration", "rad/s²"),
-        ("time", "s"),
+        ("acceleration", &of_joint("rad/s²")),
+        ("time", &"s".to_owned()),
     ];
     let figures = coordinates.into_iter().zip(&x).map(|((coordinate, x_unit), x)| {
         Figure::Plot(Plot {

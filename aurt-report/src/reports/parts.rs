@@ -6,6 +6,7 @@ use aurt_traits::{RobotModel, RobotNames};
 
 use crate::page::{Block, Section};
 use crate::rendering::number::significant;
+use crate::results::metrics::rest_velocity;
 use crate::table::{Cell, Table};
 
 /// The parameters with their intervals; those that nothing excites are set apart.
@@ -107,7 +108,7 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                 LoadTorqueChoice::Literal => "the sum of the base regressor's row".into(),
             },
         ),
-        entry("Rest", format!("|q̇| at or below {} rad/s", options.rest_velocity_rad_s)),
+        entry("Rest", format!("|q̇| at or below {}", rest_velocity(model, options))),
         entry("f_dyn", format!("{} Hz", calibration.f_dyn_hz)),
         entry("σ of each joint", format!("{} {unit}", sigma.join(", "))),
         entry("Condition number", significant(calibration.condition_number, 3)),

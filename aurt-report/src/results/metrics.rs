@@ -1,7 +1,7 @@
 //! `metrics.json`, and the same numbers as tables on the terminal.
 
 use aurt::{CalibratedModel, Outcome, RecordingResult};
-use aurt_calibration::{Calibration, Metrics, Rest, Validation};
+use aurt_calibration::{Calibration, CalibrationOptions, Metrics, Rest, Validation};
 use aurt_traits::{RobotModel, RobotNames};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -131,7 +131,7 @@ impl Results<'_> {
             text.extend(sentences.iter().map(|s| wrapped(&format!("{warning}: {s}"))));
         };
         if let Some(report) = &self.calibration.shape_fit {
-            text.push_str(&shapes::to_text(report, self.calibration.unit, names));
+            text.push_str(&shapes::to_text(report, names));
         }
         if let Some(report) = &self.calibration.consistent {
             let open = report.standard.iter().filter(|s| !s.determined).count();
@@ -213,15 +213,29 @@ impl Results<'_> {
         })
     }
 
+    pub fn rest_velocity(&self) -> String {
+        rest_velocity(self.model, &self.calibration.options)
+    }
+
     fn table(&self, validation: &Validation) -> String {
-        let threshold = self.calibration.options.rest_velocity_rad_s;
         let mut table = Table::new(self.error_headings("joint", "rows"))
             .group(1, "")
             .group(3, format!("all {} rows", validation.samples))
-            .group(4, format!("moving, |q̇| > {threshold} rad/s"))
+            .group(4, format!("moving, |q̇| > {}", self.rest_velocity()))
             .left(usize::from(!self.names().joints.is_empty()));
         self.error_cells(validation).for_each(|cells| table.row(cells));
         table.render()
+    }
+}
+
+/// The |q̇| up to which the joints of a model rest, in words.
+pub fn rest_velocity(model: &RobotModel, options: &CalibrationOptions) -> String {
+    let bodies = model.rigid_body();
+    let mut sliding = (0..model.joints()).filter(|joint| bodies.slides(*joint));
+    let turns = options.rest_velocity_rad_s;
+    match sliding.next() {
+        Some(joint) => format!("{turns} rad/s or {} m/s", options.rest_velocity(&**bodies, joint)),
+        None => format!("{turns} rad/s"),
     }
 }
 

@@ -1,13 +1,13 @@
 //! Shape parameters that a calibration searched, as a table.
 
 use aurt_calibration::ShapeReport;
-use aurt_traits::{ColumnGroup, MeasurementUnit, RobotNames};
+use aurt_traits::{ColumnGroup, RobotNames};
 
 use crate::rendering::number::significant;
 use crate::rendering::table::Table;
 
 /// The shapes with their precision and how the search went.
-pub fn to_text(report: &ShapeReport, unit: MeasurementUnit, names: RobotNames<'_>) -> String {
+pub fn to_text(report: &ShapeReport, names: RobotNames<'_>) -> String {
     let mut table =
         Table::new(["of", "model", "shape parameter", "value", "95 % interval", "starts"]).left(3);
     for shape in &report.shapes {
@@ -25,7 +25,7 @@ pub fn to_text(report: &ShapeReport, unit: MeasurementUnit, names: RobotNames<'_
             owner,
             shape.model.clone(),
             shape.name.clone(),
-            format!("{} {}", significant(shape.value, 4), unit.express(&shape.unit)),
+            format!("{} {}", significant(shape.value, 4), shape.unit),
             interval,
             format!("{}/{}", shape.agreeing_starts, report.starts),
         ]);
@@ -73,7 +73,7 @@ mod tests {
             cost_before: 2.0,
             cost_after: 1.0,
         };
-        let text = to_text(&report, MeasurementUnit::NewtonMetre, RobotNames::default());
+        let text = to_text(&report, RobotNames::default());
         assert!(
             text.contains("joint 2  dahl   presliding_rad   0.5000 rad     at a bound     3/3"),
             "{text}"

@@ -3,10 +3,10 @@
 use aurt_diagnosis::{RecordingSeries, Role};
 
 use super::Diagnosed;
-use crate::figure::{Axis, Style};
+use crate::figure::Style;
 use crate::page::{Block, Section};
 use crate::reports::figures::{
-    HOW_TO_LOOK, Series, TimeFigure, file_name, points_per_series, residuals_over, stem,
+    HOW_TO_LOOK, Series, TimeFigure, file_name, measured_axis, points_per_series, residuals_over, stem,
 };
 
 impl Diagnosed<'_> {
@@ -21,7 +21,6 @@ impl Diagnosed<'_> {
     }
 
     pub(super) fn over_time(&self) -> Section {
-        let (quantity, unit) = (self.unit.quantity(), self.unit.symbol());
         let count: usize = self.series.iter().map(|s| s.joints.len()).sum();
         let points = points_per_series(5 * count);
         let mut order: Vec<&RecordingSeries> = self.series.iter().collect();
@@ -43,9 +42,10 @@ impl Diagnosed<'_> {
                     (measured, less(&joint.before), less(&joint.after))
                 });
                 let line = |name, style, values| Series { name, style, values };
+                let slides = self.improved.0.rigid_body().slides(j);
                 if let Some((measured, before, after)) = &predictions {
                     panels.push((
-                        Axis::new(quantity, unit),
+                        measured_axis(None, self.unit, slides),
                         vec![
                             line("measured", Style::Measured, measured.as_slice()),
                             line("before", Style::Before, before.as_slice()),
@@ -54,7 +54,7 @@ impl Diagnosed<'_> {
                     ));
                 }
                 panels.push((
-                    Axis::new("residual", unit),
+                    measured_axis(Some("residual"), self.unit, slides),
                     vec![
                         line("before", Style::Before, joint.before.as_slice()),
                         line("after", Style::After, joint.after.as_slice()),
@@ -97,7 +97,7 @@ impl Diagnosed<'_> {
     }
 
     pub(super) fn over_coordinates(&self) -> Section {
-        let unit = self.unit.symbol();
+        let bodies = self.improved.0.rigid_body();
         let judged: Vec<(&RecordingSeries, usize)> = self
             .series
             .iter()
@@ -131,6 +131,7 @@ impl Diagnosed<'_> {
                     Series { name: "after", style: Style::After, values: &after },
                 ];
                 let open = worst.is_some_and(|w| w.joint == j);
+                let unit = (self.unit, bodies.slides(j));
                 residuals_over((j, names.joint(j)), open, coordinates.map(all), unit, &residuals)
             })
             .collect();
