@@ -11,25 +11,17 @@ pub enum ExportError {
          in the table `robot` of the experiment and calibrate again"
     )]
     Amperes,
-    /// The rigid bodies are neither chain nor tree, or joints of it follow others.
     #[error(
         "joints of the model follow others, or its rigid bodies are of a kind of their own; chains and trees whose joints all move \
          on their own can be exported"
     )]
     NoChain,
-    /// A name that the target cannot use.
     #[error(
         "the name `{name}` {reason}; name the robot with letters of a to z, digits and `_`, a letter first"
     )]
-    Name {
-        name: String,
-        /// What is wrong with it, as the rest of the sentence.
-        reason: &'static str,
-    },
-    /// A model of friction or of the arm that the target does not know.
+    Name { name: String, reason: &'static str },
     #[error("{place}: the model `{model}` cannot be exported: {reason}; known: {known}")]
     Model { place: String, model: String, reason: &'static str, known: String },
-    /// A model has no standard parameters that a machine can have.
     #[error(
         "the model has no mass, centre of mass and inertia for every link, only base parameters; calibrate with \
          `estimator = \"consistent\"`"
@@ -39,53 +31,38 @@ pub enum ExportError {
         "the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`"
     )]
     Impossible { complaints: String },
-    /// A number of values does not fit the model.
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: &'static str, expected: usize, found: usize },
     #[error("the coefficient `{name}` is {value}; calibrate again")]
     NotFinite { name: String, value: f64 },
     #[error("{place}: its model cannot be described: {source}")]
     Description { place: String, source: serde_json::Error },
-    /// Accelerations have no solution.
     #[error(
         "the mass matrix of the model is not positive definite at q = {position}, so torques do not determine its motion; \
          calibrate with `estimator = \"consistent\"`, or export the inverse dynamics"
     )]
-    MassMatrix {
-        /// Joint positions, rad or m.
-        position: String,
-    },
+    MassMatrix { position: String },
     #[error("the archive of the FMU cannot be made: {0}")]
     Archive(#[from] zip::result::ZipError),
-    /// A file to be corrected cannot be read as a robot.
     #[error(transparent)]
     Robot(aurt_rbd::robots::RobotErrors),
     #[error("the file is no well-formed XML: {0}")]
     Xml(roxmltree::Error),
-    /// A file to be corrected describes another chain than the model.
     #[error(
         "the chain of the file is not that of the model: {reason}; calibrate with `mjcf` or `urdf` in the table `robot` naming this file, \
          or choose the chain with `--base` and `--tip`"
     )]
     OtherChain { reason: String },
-    /// A link between two joints of one body has no place for its mass.
     #[error(
         "behind joint {joint} its body has another joint, so the mass between them has no place in the file; give each joint a \
          body of its own"
     )]
     Between { joint: String },
-    /// What bodies beside the chain leave of a link is no body.
     #[error(
         "link {link}: without what the file states of {carried}, nothing is left that a body could be for `{body}`; correct their \
          `inertial`, or remove them for the calibration"
     )]
-    Remainder {
-        /// The link, from 0.
-        link: usize,
-        body: String,
-        carried: String,
-    },
-    /// The file takes all masses from shapes, so that what is written would not count.
+    Remainder { link: usize, body: String, carried: String },
     #[error(
         "the file has `inertiafromgeom=\"true\"`, by which MuJoCo overrules every <inertial> with the masses of shapes; write \
          `inertiafromgeom=\"auto\"` in <compiler>"

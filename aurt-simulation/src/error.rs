@@ -10,21 +10,13 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum SimulationError {
-    /// A value that no robot, sensor or trajectory can have.
     #[error("{what} is {value}: {reason}")]
-    Value {
-        /// The quantity, with the joint or link it belongs to.
-        what: String,
-        value: f64,
-        reason: String,
-    },
-    /// A motion cannot be read.
+    Value { what: String, value: f64, reason: String },
     #[error(transparent)]
     Recording(Box<aurt_recording::RecordingError>),
     /// A joint or link that the robot does not have.
     #[error("{what} names {part} {index}, but {robot} has {available} (they count from 0)")]
     NoSuchPart {
-        /// Who names it.
         what: String,
         /// `joint` or `link`.
         part: &'static str,
@@ -32,7 +24,6 @@ pub enum SimulationError {
         robot: String,
         available: usize,
     },
-    /// Things that must be equally many are not.
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: String, expected: usize, found: usize },
     /// A link's inertial parameters are those of no body.
@@ -59,18 +50,15 @@ pub enum SimulationError {
     UnknownEffect { name: String, meant: Option<String>, known: Vec<String> },
     #[error("unknown robot `{name}`; known are {}", known.join(", "))]
     UnknownRobot { name: String, known: Vec<String> },
-    /// The plant has a mode faster than the smallest integration step can follow.
     #[error(
         "{what} has a rate of {rate_per_s:.0} 1/s, which needs steps of {needed_s:.1e} s; the smallest is \
          {smallest_s:.1e} s. Soften it or give the joint more inertia"
     )]
     TooStiff { what: String, rate_per_s: f64, needed_s: f64, smallest_s: f64 },
-    /// The motion went away from its command or stopped being finite.
     #[error("the simulated motion of joint {joint} left its command at {time_s:.3} s: {reason}")]
     Diverged { joint: usize, time_s: f64, reason: String },
     #[error("{what} did not settle within {iterations} iterations at {time_s:.3} s (change {change:.1e})")]
     NotSettled { what: &'static str, iterations: usize, change: f64, time_s: f64 },
-    /// A plan, verdict or truth that cannot be read.
     #[error("{}: {reason}", path.display())]
     Unreadable { path: PathBuf, reason: String },
     /// A file that is not of its form, at a place; lines and columns (in characters) count from 1.

@@ -5,50 +5,24 @@ use thiserror::Error;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum DriveError {
-    /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
     Count { what: &'static str, expected: usize, found: usize },
-    /// A number outside its bounds.
     #[error("`{name}` must lie within {} and {}, is {value}", bounds[0], bounds[1])]
     Bounds { name: String, value: f64, bounds: [f64; 2] },
-    /// A number to be estimated that the model does not have.
     #[error("there is no number `{name}` to estimate; known: {known}")]
-    Unknown {
-        name: String,
-        /// What there is, comma separated.
-        known: String,
-    },
+    Unknown { name: String, known: String },
     #[error("`{name}` is to be estimated and has no start; give a value at which it acts")]
     NoStart { name: String },
-    /// A recording that cannot be used.
     #[error("recording {recording}: {reason}")]
-    Recording {
-        /// Its place in the list, from 0.
-        recording: usize,
-        reason: String,
-    },
+    Recording { recording: usize, reason: String },
     #[error(
         "pieces of {piece_s:e} s have fewer than {rows} rows, from which their first velocity is taken; at least {least_s:.3} s are needed"
     )]
-    ShortPieces {
-        /// The length that was asked for, in s.
-        piece_s: f64,
-        rows: usize,
-        /// The length that they take, in s.
-        least_s: f64,
-    },
-    /// The simulation left all numbers.
+    ShortPieces { piece_s: f64, rows: usize, least_s: f64 },
     #[error(
         "the simulation of recording {recording} diverges at {time_s} s; check that positions and commands are in rad, give starts nearer to the robot, or a shorter step"
     )]
-    Diverged {
-        /// Its place in the list, from 0.
-        recording: usize,
-        time_s: f64,
-    },
+    Diverged { recording: usize, time_s: f64 },
     #[error("the held-out recordings are too short to decide anything; at least {needed_s} s are needed")]
-    TooShort {
-        /// What is needed in s.
-        needed_s: f64,
-    },
+    TooShort { needed_s: f64 },
 }

@@ -97,7 +97,6 @@ pub struct Gains {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages name the fields")]
 pub enum GainsError {
-    /// Calibration, or what models and recordings report.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     #[error("the mass of the load must be positive and finite, but is {mass_kg} kg")]

@@ -30,10 +30,8 @@ use thiserror::Error;
 pub enum Violation {
     #[error("{during}: {source}")]
     Failed { during: &'static str, source: ModelError },
-    /// A declared invariant does not hold.
     #[error("`{model}` declares that it is {}, but {detail}", .invariant.in_words())]
     Invariant { model: String, invariant: Invariant, detail: String },
-    /// Something that the traits ask of every model does not hold.
     #[error("`{model}`: {detail}")]
     Contract { model: String, detail: String },
 }
