@@ -9,9 +9,8 @@
 #[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
-use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};
+use aurt_calibration::{Deviations, Estimator};
 use aurt_recording::Recording;
-use aurt_traits::MeasurementUnit;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, measured};
 use rayon::prelude::*;
 
@@ -75,20 +74,15 @@ fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, pos
         .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, positions))
         .collect();
     let base = robot.model.base().len();
-    let estimates = [(Estimator::Wls, Deviations::Memory), (Estimator::Wls, Deviations::White)];
-    let of = |(estimator, deviations): &(Estimator, Deviations)| {
-        let (estimator, deviations) = (*estimator, *deviations);
-        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
-        let unit = MeasurementUnit::NewtonMetre;
-        let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
+    let of = |deviations| {
+        let found = robot.calibrated(&recordings, Estimator::Wls, deviations);
         let mut counts = [0; 4];
-        for (k, (parameter, truth)) in found.parameters.iter().zip(&robot.truth).enumerate() {
+        for (k, held) in robot.held(&found).into_iter().enumerate() {
             let group = 2 * usize::from(k >= base);
-            let [low, high] = parameter.interval_95.unwrap();
-            counts[group] += usize::from((low..=high).contains(truth));
+            counts[group] += usize::from(held);
             counts[group + 1] += 1;
         }
         counts
     };
-    estimates.iter().map(of).collect()
+    [Deviations::Memory, Deviations::White].map(of).into()
 }

@@ -10,8 +10,7 @@ mod knocks;
 #[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
-use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};
-use aurt_traits::MeasurementUnit;
+use aurt_calibration::{Deviations, Estimator};
 use knocks::with_knocks;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
 use rayon::prelude::*;
@@ -42,16 +41,10 @@ fn main() {
                 .map(|seed| {
                     let noisy = [measured(recording, "noisy", seed, noise, 1.0, None)];
                     estimates.map(|(estimator, deviations)| {
-                        let options =
-                            CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
-                        let unit = MeasurementUnit::NewtonMetre;
-                        let found = calibrate(&robot.model, &noisy, unit, F_DYN_HZ, &options).unwrap();
-                        let of_truth = || found.parameters.iter().zip(&robot.truth);
-                        let held = of_truth().filter(|(p, truth)| {
-                            let [low, high] = p.interval_95.unwrap();
-                            (low..=high).contains(truth)
-                        });
-                        (held.count(), of_truth().map(|(p, truth)| (p.value - truth).powi(2)).collect())
+                        let found = robot.calibrated(&noisy, estimator, deviations);
+                        let held = robot.held(&found).into_iter().filter(|held| *held).count();
+                        let of_truth = found.parameters.iter().zip(&robot.truth);
+                        (held, of_truth.map(|(p, truth)| (p.value - truth).powi(2)).collect())
                     })
                 })
                 .collect();

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use aurt_calibration::NamedRecording;
+use aurt_calibration::{Calibration, CalibrationOptions, Deviations, Estimator, NamedRecording, calibrate};
 use aurt_friction::coulomb;
 use aurt_plugins::Registry;
 use aurt_plugins::model::{Friction, RigidBodyDynamics};
@@ -113,6 +113,23 @@ impl KnownRobot {
         }
         let dynamics = ChainDynamics::new(robot.chain().unwrap(), &standard).unwrap();
         Self { model, truth, dynamics, stribeck }
+    }
+
+    /// The calibration of recordings by an estimator.
+    pub fn calibrated(
+        &self,
+        recordings: &[NamedRecording],
+        estimator: Estimator,
+        deviations: Deviations,
+    ) -> Calibration {
+        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
+        calibrate(&self.model, recordings, MeasurementUnit::NewtonMetre, F_DYN_HZ, &options).unwrap()
+    }
+
+    /// Whether the interval of each coefficient holds the truth.
+    pub fn held(&self, found: &Calibration) -> Vec<bool> {
+        let intervals = found.parameters.iter().map(|p| p.interval_95.unwrap());
+        intervals.zip(&self.truth).map(|([low, high], truth)| (low..=high).contains(truth)).collect()
     }
 
     /// Motion and torques without noise; motions of different `kind` have different phases.

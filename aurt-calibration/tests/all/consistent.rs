@@ -5,8 +5,7 @@ use crate::known_robot;
 use std::sync::LazyLock;
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, ConsistentReport, Estimator, NamedRecording,
-    calibrate, possible_body,
+    Calibration, CalibrationOptions, ConsistentReport, Deviations, Estimator, NamedRecording, possible_body,
 };
 use aurt_rbd::{LinkBody, inconsistencies};
 use aurt_simulation::robots::ur10e;
@@ -16,13 +15,8 @@ use proptest::prelude::*;
 
 const UNIT: MeasurementUnit = MeasurementUnit::NewtonMetre;
 
-fn fit(
-    robot: &KnownRobot,
-    recordings: &[NamedRecording],
-    estimator: Estimator,
-) -> Result<Calibration, CalibrationError> {
-    let options = CalibrationOptions { estimator, ..CalibrationOptions::default() };
-    calibrate(&robot.model, recordings, UNIT, F_DYN_HZ, &options)
+fn fit(robot: &KnownRobot, recordings: &[NamedRecording], estimator: Estimator) -> Calibration {
+    robot.calibrated(recordings, estimator, Deviations::Memory)
 }
 
 fn values(report: &ConsistentReport) -> Vec<f64> {
@@ -53,8 +47,8 @@ fn where_least_squares_is_a_machine_the_consistent_estimate_is_that() {
     let recordings = [0, 1, 2].map(|kind| {
         measured(&robot.clean(kind, 16.0), &format!("{kind}"), kind as u64, Noise::White, 1e-3, None)
     });
-    let plain = fit(&robot, &recordings, Estimator::Wls).unwrap();
-    let found = fit(&robot, &recordings, Estimator::Consistent).unwrap();
+    let plain = fit(&robot, &recordings, Estimator::Wls);
+    let found = fit(&robot, &recordings, Estimator::Consistent);
     is_machine(&robot, &found);
     let report = found.consistent.as_ref().unwrap();
     // The stated loss: 0.001 squared standard deviations.
@@ -79,7 +73,7 @@ fn where_least_squares_is_a_machine_the_consistent_estimate_is_that() {
 fn noise_that_makes_least_squares_impossible_does_not_make_the_estimate_so() {
     let mut robot = KnownRobot::new(None);
     let recordings = [measured(&robot.clean(0, 16.0), "0", 7, Noise::White, 1.0, None)];
-    let found = fit(&robot, &recordings, Estimator::Consistent).unwrap();
+    let found = fit(&robot, &recordings, Estimator::Consistent);
     is_machine(&robot, &found);
     let report = found.consistent.as_ref().unwrap();
     // Consistency costs no more than noise does: the truth is a machine, too.
@@ -91,7 +85,7 @@ fn noise_that_makes_least_squares_impossible_does_not_make_the_estimate_so() {
             .map(|(p, t)| ((p.value - t) / p.std_dev.unwrap()).powi(2))
             .sum::<f64>()
     };
-    let plain = fit(&robot, &recordings, Estimator::Wls).unwrap();
+    let plain = fit(&robot, &recordings, Estimator::Wls);
     assert!(miss(&found) < miss(&plain), "{} {}", miss(&found), miss(&plain));
 }
 
@@ -106,7 +100,7 @@ fn described(size: f64, factors: [f64; 6], weight: f64) -> (Vec<f64>, Calibratio
     let scaled = |(link, factor): (LinkBody, f64)| link.standard_parameters().map(|v| factor * v);
     let standard = ur10e().links.into_iter().zip(factors).flat_map(scaled).collect();
     robot.model = robot.model.with_known_bodies(KnownBodies { standard, weight });
-    let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
+    let found = fit(&robot, &[recording], Estimator::Consistent);
     is_machine(&robot, &found);
     let masses = values(found.consistent.as_ref().unwrap()).into_iter().skip(9).step_by(10).collect();
     (masses, found)
@@ -159,7 +153,7 @@ fn rotors_that_no_description_has_leave_masses_as_they_are() {
         }
         let recording = measured(&clean, "0", 7, Noise::White, 1.0, None);
         robot.model = robot.model.with_known_bodies(KnownBodies { standard: standard.clone(), weight });
-        let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
+        let found = fit(&robot, &[recording], Estimator::Consistent);
         is_machine(&robot, &found);
         let report = found.consistent.as_ref().unwrap();
         let masses: Vec<f64> = values(report).into_iter().skip(9).step_by(10).collect();
@@ -210,7 +204,7 @@ fn a_recording_that_is_listed_twice_says_nothing_new() {
     let noise = Noise::GaussMarkov { time_s: 0.1 };
     let once = measured(&robot.clean(0, 16.0), "0", 3, noise, 1.0, None);
     let twice = [once.clone(), NamedRecording { name: "a copy".into(), ..once.clone() }];
-    let [single, double] = [&twice[..1], &twice].map(|r| fit(&robot, r, Estimator::Wls).unwrap());
+    let [single, double] = [&twice[..1], &twice].map(|r| fit(&robot, r, Estimator::Wls));
     let mut ratios = Vec::new();
     for (a, b) in single.parameters.iter().zip(&double.parameters) {
         assert!((a.value - b.value).abs() < 1e-3 * a.std_dev.unwrap(), "{}: {} {}", a.name, a.value, b.value);
@@ -220,7 +214,7 @@ fn a_recording_that_is_listed_twice_says_nothing_new() {
     assert!(ratios.iter().all(|r| (0.9..1.1).contains(r)), "{ratios:?}");
     // Another recording does say something new.
     let other = [once, measured(&robot.clean(1, 16.0), "1", 4, noise, 1.0, None)];
-    let more = fit(&robot, &other, Estimator::Wls).unwrap();
+    let more = fit(&robot, &other, Estimator::Wls);
     let shorter =
         single.parameters.iter().zip(&more.parameters).filter(|(a, b)| b.std_dev < a.std_dev).count();
     assert!(shorter > 40, "{shorter}");
@@ -247,7 +241,7 @@ proptest! {
                 }
             }
         }
-        let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
+        let found = fit(&robot, &[recording], Estimator::Consistent);
         let report = found.consistent.as_ref().unwrap();
         prop_assert_eq!(inconsistencies(&values(report)), []);
         // Data of no robot at all may take longer than the search lasts; then that is said.

@@ -3,26 +3,25 @@
 use crate::known_robot;
 
 use aurt_calibration::{
-    Calibration, CalibrationOptions, Deviations, Estimator, ShapeOptions, TermScopes, calibrate,
-    calibrate_shapes,
+    Calibration, CalibrationOptions, Deviations, Estimator, ShapeOptions, TermScopes, calibrate_shapes,
 };
 use aurt_recording::PreprocessOptions;
 use aurt_traits::MeasurementUnit;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, Stribeck, measured, measured_and};
 
-fn calibrated(bits: Option<u32>) -> Calibration {
+fn calibrated(positions: impl Into<Positions>) -> (KnownRobot, Calibration) {
     let mut robot = KnownRobot::new(None);
     let clean = robot.clean(0, 20.0);
-    let recordings = [measured(&clean, "known", 3, Noise::White, 1.0, bits)];
-    let options = CalibrationOptions::default();
-    calibrate(&robot.model, &recordings, MeasurementUnit::NewtonMetre, F_DYN_HZ, &options).unwrap()
+    let recordings = [measured(&clean, "known", 3, Noise::White, 1.0, positions)];
+    let found = robot.calibrated(&recordings, Estimator::Wls, Deviations::Memory);
+    (robot, found)
 }
 
 /// However many bits are missing.
 #[test]
 fn coarse_encoders_are_called_biased_and_the_cure_is_told() {
     for (bits, is_coarse) in [(None, false), (Some(12), true), (Some(11), true), (Some(10), true)] {
-        let found = calibrated(bits);
+        let (_, found) = calibrated(bits);
         let told = found.warnings.iter().find(|w| w.contains("position noise biases"));
         assert_eq!(told.is_some(), is_coarse, "{bits:?} {:?}", found.warnings);
         assert!(told.is_none_or(|w| w.contains("; use ")), "{bits:?} {told:?}");
@@ -32,12 +31,7 @@ fn coarse_encoders_are_called_biased_and_the_cure_is_told() {
 /// Coefficients are biased by noise of the positions, and their deviations are wider by it: they hold the truth.
 #[test]
 fn intervals_hold_the_bias() {
-    let mut robot = KnownRobot::new(None);
-    let clean = robot.clean(0, 20.0);
-    let recordings = [measured(&clean, "known", 3, Noise::White, 1.0, Positions::White(1e-3))];
-    let options = CalibrationOptions::default();
-    let unit = MeasurementUnit::NewtonMetre;
-    let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
+    let (robot, found) = calibrated(Positions::White(1e-3));
     let bias = found.position_bias.as_ref().unwrap();
     assert_eq!(bias.parameters.len(), found.parameters.len());
     let (mut held, mut without) = (0, 0);

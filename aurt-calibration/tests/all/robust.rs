@@ -3,27 +3,15 @@
 use crate::{knocks, known_robot};
 
 use aurt_calibration::{
-    Calibration, CalibrationOptions, Deviations, Estimator, NamedRecording, TermScopes, accumulate,
-    calibrate, noise_bandwidth_factor,
+    Calibration, CalibrationOptions, Deviations, Estimator, TermScopes, accumulate, noise_bandwidth_factor,
 };
 use aurt_recording::Recording;
-use aurt_traits::{LoadTorque, MeasurementUnit};
+use aurt_traits::LoadTorque;
 use knocks::with_knocks;
-use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
+use known_robot::{KnownRobot, Noise, measured};
 use rayon::prelude::*;
 
 const DURATION_S: f64 = 20.0;
-
-fn fit(
-    robot: &KnownRobot,
-    recording: &NamedRecording,
-    estimator: Estimator,
-    deviations: Deviations,
-) -> Calibration {
-    let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
-    let unit = MeasurementUnit::NewtonMetre;
-    calibrate(&robot.model, std::slice::from_ref(recording), unit, F_DYN_HZ, &options).unwrap()
-}
 
 /// Intervals that hold the truth, of how many, and the sum of squared errors in given deviations.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,14 +23,13 @@ struct Score {
 
 impl Score {
     fn of(robot: &KnownRobot, found: &Calibration, std_devs: &[f64]) -> Self {
-        let mut score = Self::default();
-        for ((p, truth), std_dev) in found.parameters.iter().zip(&robot.truth).zip(std_devs) {
-            let [low, high] = p.interval_95.unwrap();
-            score.held += usize::from((low..=high).contains(truth));
-            score.of += 1;
-            score.squares += ((p.value - truth) / std_dev).powi(2);
+        let held = robot.held(found);
+        let errors = found.parameters.iter().zip(&robot.truth).map(|(p, truth)| p.value - truth);
+        Self {
+            held: held.iter().filter(|held| **held).count(),
+            of: held.len(),
+            squares: errors.zip(std_devs).map(|(error, std_dev)| (error / std_dev).powi(2)).sum(),
         }
-        score
     }
 
     fn and(self, other: Self) -> Self {
@@ -66,12 +53,12 @@ fn scores(
     recording: &Recording,
     (noise, deviations): (Noise, Deviations),
 ) -> [Score; 2] {
-    let quiet = measured(clean, "quiet", 1, noise, 1.0, None);
-    let scale = std_devs(&fit(robot, &quiet, Estimator::Wls, Deviations::Memory));
+    let quiet = [measured(clean, "quiet", 1, noise, 1.0, None)];
+    let scale = std_devs(&robot.calibrated(&quiet, Estimator::Wls, Deviations::Memory));
     let of = |seed: u64| {
-        let noisy = measured(recording, "noisy", seed, noise, 1.0, None);
+        let noisy = [measured(recording, "noisy", seed, noise, 1.0, None)];
         [Estimator::Wls, Estimator::Irls]
-            .map(|estimator| Score::of(robot, &fit(robot, &noisy, estimator, deviations), &scale))
+            .map(|estimator| Score::of(robot, &robot.calibrated(&noisy, estimator, deviations), &scale))
     };
     (1..=100_u64)
         .into_par_iter()
@@ -105,8 +92,8 @@ fn without_knocks_intervals_of_independent_rows_hold() {
 fn knocks_have_no_weight_and_are_reported() {
     let mut robot = KnownRobot::new(None);
     let clean = robot.clean(0, DURATION_S);
-    let recording = measured(&with_knocks(clean), "knocks", 3, Noise::White, 1.0, None);
-    let found = fit(&robot, &recording, Estimator::Irls, Deviations::Memory);
+    let recordings = [measured(&with_knocks(clean), "knocks", 3, Noise::White, 1.0, None)];
+    let found = robot.calibrated(&recordings, Estimator::Irls, Deviations::Memory);
     let rejected = &found.robust.as_ref().unwrap().rejected;
     assert!(rejected.iter().all(|share| (0.005..0.1).contains(share)), "{rejected:?}");
 }
@@ -120,20 +107,14 @@ fn without_knocks_deviations_are_about_those_of_least_squares_with_the_same_weig
     let ratios: Vec<f64> = (1..=12)
         .into_par_iter()
         .map(|seed| {
-            let recording = measured(&clean, "quiet", seed, Noise::White, 1.0, None);
-            let found = fit(&robot, &recording, Estimator::Irls, Deviations::White);
-            let options = CalibrationOptions::default();
-            let system = accumulate(
-                &robot.model,
-                std::slice::from_ref(&recording),
-                &TermScopes::everywhere(),
-                &LoadTorque::Literal,
-                &options,
-            )
-            .unwrap();
+            let recordings = [measured(&clean, "quiet", seed, Noise::White, 1.0, None)];
+            let found = robot.calibrated(&recordings, Estimator::Irls, Deviations::White);
+            let (everywhere, options) = (TermScopes::everywhere(), CalibrationOptions::default());
+            let system =
+                accumulate(&robot.model, &recordings, &everywhere, &LoadTorque::Literal, &options).unwrap();
             let weights: Vec<f64> = found.sigma.iter().map(|s| 1.0 / s).collect();
             let plain = system.solve(&weights, |_| true).unwrap();
-            let segment = &recording.data.segments[0];
+            let segment = &recordings[0].data.segments[0];
             let bandwidth = noise_bandwidth_factor(&segment.parallel_filter, segment.decimation);
             let n = found.parameters.len();
             let ratio =
@@ -148,8 +129,8 @@ fn without_knocks_deviations_are_about_those_of_least_squares_with_the_same_weig
 #[test]
 fn exact_measurements_are_no_obstacle() {
     let mut robot = KnownRobot::new(None);
-    let recording = measured(&robot.clean(1, DURATION_S), "exact", 1, Noise::White, 0.0, None);
-    let found = fit(&robot, &recording, Estimator::Irls, Deviations::Memory);
+    let recordings = [measured(&robot.clean(1, DURATION_S), "exact", 1, Noise::White, 0.0, None)];
+    let found = robot.calibrated(&recordings, Estimator::Irls, Deviations::Memory);
     for (p, truth) in found.parameters.iter().zip(&robot.truth) {
         assert!((p.value - truth).abs() < 0.05 * truth.abs().max(1.0), "{}: {} {truth}", p.name, p.value);
     }

@@ -2,38 +2,35 @@
 
 use crate::arm;
 
-use arm::{Friction, RICH, model, named, recording};
+use arm::{RICH, linear, load_dependent_friction, model, named, recording};
 use aurt_calibration::{
     Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, JointMetrics, LoadTorqueChoice,
-    Metrics, NamedRecording, Rest, RigidRows, ShapeOptions, TermScopes, ValidatedRows, calibrate_scoped,
-    calibrate_shapes_rows, validate,
+    Metrics, NamedRecording, Rest, RigidRows, ShapeOptions, TermScopes, ValidatedRows, calibrate,
+    calibrate_scoped, calibrate_shapes_rows, compare, validate,
 };
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::json;
 
 const UNIT: MeasurementUnit = MeasurementUnit::NewtonMetre;
 
-fn friction() -> [Friction; 2] {
-    [1.0, 0.6].map(|scale| -> Friction {
-        Box::new(move |[_, v, _], load| scale * ((2.0 + 0.1 * load.abs()) * (v / 1e-3).tanh() + 3.0 * v))
-    })
-}
-
 fn recordings() -> Vec<NamedRecording> {
-    let make = |name, start_s, duration_s| recording(name, RICH, (start_s, duration_s), friction(), 0.05);
+    let make = |name, start_s, duration_s| {
+        recording(name, RICH, (start_s, duration_s), load_dependent_friction(), 0.05)
+    };
     vec![make("a.csv", 0.0, 14.0), make("b.csv", 31.0, 9.0), make("c.csv", 55.0, 7.0)]
 }
 
 /// Models with load dependence, memory, several columns and terms that share coefficients or are loads.
 fn models() -> Vec<RobotModel> {
     let absolute = || named("absolute");
-    let linear = || json!({ "model": "polynomial", "powers": [1] });
+    let slip = || json!({ "model": "maxwell_slip", "elements": 4 });
+    let cubic = || json!({ "model": "polynomial", "powers": [1, 3] });
     vec![
         model(named("constant"), named("sign"), linear(), &[]),
         model(
             absolute(),
-            json!({ "model": "maxwell_slip", "elements": 4 }),
-            json!({ "model": "polynomial", "powers": [1, 3] }),
+            slip(),
+            cubic(),
             &[named("rotor_inertia"), json!({ "model": "payload", "link": 1 })],
         ),
         model(
@@ -46,12 +43,7 @@ fn models() -> Vec<RobotModel> {
             ],
         ),
         // Parts that others have too, and a level that is neither constant nor of the load alone.
-        model(
-            named("square"),
-            json!({ "model": "maxwell_slip", "elements": 4 }),
-            json!({ "model": "polynomial", "powers": [1, 3] }),
-            &[],
-        ),
+        model(named("square"), slip(), cubic(), &[]),
         model(json!({ "model": "stribeck", "load": "absolute" }), named("sign"), linear(), &[]),
         model(named("absent"), named("sign"), linear(), &[]),
     ]
@@ -196,4 +188,28 @@ fn rows_of_another_robot_are_refused() {
     let everywhere = TermScopes::everywhere();
     assert!(fitted(&other, &rows, &everywhere, &options).is_err());
     assert!(FitRows::new(&rigid, &[], &options).is_err());
+}
+
+/// The rows that reports draw are those that metrics are means over.
+#[test]
+fn metrics_can_be_had_from_the_rows() {
+    let model = model(named("absolute"), named("sign"), linear(), &[]);
+    let recordings = &recordings()[..1];
+    let calibration = calibrate(&model, recordings, UNIT, 10.0, &CalibrationOptions::default()).unwrap();
+    for rows in [ValidatedRows::All, ValidatedRows::WhileInMotion] {
+        let judged = validate(&model, &calibration, &recordings[0], rows).unwrap();
+        let rows = compare(&model, &calibration, &recordings[0], rows).unwrap();
+        assert_eq!(rows.time_s.len(), judged.samples);
+        let metrics: Metrics = rows
+            .joints
+            .iter()
+            .map(|joint| {
+                assert_eq!(joint.rigid_body.len(), judged.samples);
+                let mut sums = JointMetrics::default();
+                joint.measured.iter().zip(&joint.predicted).for_each(|(y, p)| sums.add(*y, *p));
+                sums
+            })
+            .collect();
+        assert_eq!(metrics, judged.all);
+    }
 }

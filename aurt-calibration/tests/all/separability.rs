@@ -2,14 +2,12 @@
 
 use crate::arm;
 
-use arm::{Friction, RICH, Sines, model, named, recording};
+use arm::{Friction, RICH, Sines, linear, model, named, recording};
 use aurt_calibration::{Calibration, CalibrationOptions, calibrate};
 use aurt_traits::MeasurementUnit;
-use serde_json::json;
 
 fn calibrated(sines: [Sines; 2]) -> Calibration {
-    let viscous = json!({ "model": "polynomial", "powers": [1] });
-    let model = model(named("none"), named("sign"), viscous, &[named("rotor_inertia")]);
+    let model = model(named("none"), named("sign"), linear(), &[named("rotor_inertia")]);
     let friction = || -> Friction { Box::new(|state, _| 1.2 * state[1].signum() + 0.8 * state[1]) };
     let recordings = [recording("arm.csv", sines, (0.0, 20.0), [friction(), friction()], 0.05)];
     let options = CalibrationOptions::default();

@@ -3,7 +3,7 @@
 
 use crate::arm;
 
-use arm::{FINE, Friction, RATE_HZ, RICH, Sines, model, named, recording};
+use arm::{FINE, Friction, RATE_HZ, RICH, Sines, linear, model, named, recording};
 use aurt_calibration::{
     Calibration, CalibrationOptions, FittedShape, NamedRecording, ShapeOptions, TermScopes, calibrate_shapes,
 };
@@ -49,6 +49,21 @@ fn recovered(shape: &FittedShape, truth: f64, tolerance: f64) {
     assert!(!shape.at_bound);
 }
 
+/// Fits recordings of a friction from other shapes; those of every joint, or of the term, are recovered: (truth, tolerance) of each.
+fn recovers(
+    friction: impl Fn() -> Friction,
+    begin: &RobotModel,
+    truths: &[(f64, f64)],
+) -> (RobotModel, Calibration) {
+    let (fitted, calibration) = fit(begin, &record(friction));
+    let owners = if begin.arm_terms().is_empty() { 2 } else { 1 };
+    assert_eq!(shapes(&calibration).len(), owners * truths.len());
+    for (shape, (truth, tolerance)) in shapes(&calibration).iter().zip(truths.iter().cycle()) {
+        recovered(shape, *truth, *tolerance);
+    }
+    (fitted, calibration)
+}
+
 const STEP_S: f64 = 1.0 / (RATE_HZ * FINE as f64);
 
 #[test]
@@ -65,12 +80,8 @@ fn a_stribeck_velocity_is_recovered() {
     let recordings: Vec<NamedRecording> = [("a.csv", 0.0), ("b.csv", 47.0)]
         .map(|(name, start)| recording(name, SLOW, (start, 40.0), both(friction), NOISE_NM))
         .into();
-    let begin = model(
-        json!({ "model": "stribeck", "stribeck_velocity_rad_s": 0.2, "stribeck_exponent": 1.0 }),
-        named("sign"),
-        json!({ "model": "polynomial", "powers": [1] }),
-        &[],
-    );
+    let level = json!({ "model": "stribeck", "stribeck_velocity_rad_s": 0.2, "stribeck_exponent": 1.0 });
+    let begin = model(level, named("sign"), linear(), &[]);
     let (fitted, calibration) = fit(&begin, &recordings);
     let found = shapes(&calibration);
     assert_eq!(found.len(), 4);
@@ -94,34 +105,24 @@ fn dahl(presliding_rad: f64) -> Friction {
 
 #[test]
 fn a_dahl_distance_is_recovered() {
-    let recordings = record(|| dahl(0.012));
-    let begin = model(
-        named("constant"),
-        json!({ "model": "dahl", "presliding_rad": 0.2 }),
-        json!({ "model": "polynomial", "powers": [1] }),
-        &[],
-    );
-    let (_, calibration) = fit(&begin, &recordings);
-    shapes(&calibration).iter().for_each(|s| recovered(s, 0.012, 0.03));
+    let hysteresis = json!({ "model": "dahl", "presliding_rad": 0.2 });
+    let begin = model(named("constant"), hysteresis, linear(), &[]);
+    let (_, calibration) = recovers(|| dahl(0.012), &begin, &[(0.012, 0.03)]);
     let level = calibration.parameters.iter().find(|p| p.name.starts_with("F_C0")).unwrap();
     assert!((level.value - 3.0).abs() < 0.03, "{level:?}");
 }
 
 #[test]
 fn a_shape_parameter_of_an_arm_term_is_found_too() {
-    let recordings = record(|| dahl(0.012));
     let term = json!({ "model": "joint_friction", "hysteresis": { "model": "dahl", "presliding_rad": 0.1 } });
-    let begin =
-        model(named("absent"), named("sign"), json!({ "model": "polynomial", "powers": [1] }), &[term]);
-    let (fitted, calibration) = fit(&begin, &recordings);
-    assert_eq!(shapes(&calibration).len(), 1);
-    recovered(&shapes(&calibration)[0], 0.012, 0.03);
+    let begin = model(named("absent"), named("sign"), linear(), &[term]);
+    let (fitted, calibration) = recovers(|| dahl(0.012), &begin, &[(0.012, 0.03)]);
     assert_eq!(fitted.arm_terms()[0].shape_parameters()[0].value, shapes(&calibration)[0].value);
 }
 
 #[test]
 fn lugre_shapes_are_recovered() {
-    let recordings = record(|| {
+    let friction = || -> Friction {
         let mut z = 0.0_f64;
         // σ0 = 400 Nm/rad, F_C = 2.4, F_S = 4 Nm, v_S = 0.06 rad/s.
         Box::new(move |[_, v, _], _| {
@@ -130,20 +131,12 @@ fn lugre_shapes_are_recovered() {
             z = (z + STEP_S * v) / (1.0 + STEP_S * 400.0 * v.abs() / level);
             400.0 * z + 3.0 * v
         })
+    };
+    let hysteresis = json!({
+        "model": "lugre", "presliding_rad": 0.1, "stribeck_velocity_rad_s": 0.5, "coulomb_ratio": 0.95
     });
-    let begin = model(
-        named("constant"),
-        json!({ "model": "lugre", "presliding_rad": 0.1, "stribeck_velocity_rad_s": 0.5, "coulomb_ratio": 0.95 }),
-        json!({ "model": "polynomial", "powers": [1] }),
-        &[],
-    );
-    let (_, calibration) = fit(&begin, &recordings);
-    let found = shapes(&calibration);
-    for joint in 0..2 {
-        recovered(&found[3 * joint], 0.01, 0.05);
-        recovered(&found[3 * joint + 1], 0.06, 0.08);
-        recovered(&found[3 * joint + 2], 0.6, 0.05);
-    }
+    let begin = model(named("constant"), hysteresis, linear(), &[]);
+    recovers(friction, &begin, &[(0.01, 0.05), (0.06, 0.08), (0.6, 0.05)]);
 }
 
 /// Slip elements with stops: each follows its position until its spring is stretched by the threshold.
@@ -166,17 +159,11 @@ fn slip_elements(thresholds_rad: [f64; 3]) -> Friction {
 
 #[test]
 fn the_ends_of_a_grid_of_slip_thresholds_are_recovered() {
-    let recordings = record(|| slip_elements([0.002, 0.01, 0.05]));
     let hysteresis = json!({
         "model": "maxwell_slip", "elements": 3, "smallest_rad": 1e-4, "largest_rad": 0.4, "fit_thresholds": true
     });
-    let begin = model(named("constant"), hysteresis, json!({ "model": "polynomial", "powers": [1] }), &[]);
-    let (_, calibration) = fit(&begin, &recordings);
-    let found = shapes(&calibration);
-    for joint in 0..2 {
-        recovered(&found[2 * joint], 0.002, 0.05);
-        recovered(&found[2 * joint + 1], 0.05, 0.03);
-    }
+    let begin = model(named("constant"), hysteresis, linear(), &[]);
+    recovers(|| slip_elements([0.002, 0.01, 0.05]), &begin, &[(0.002, 0.05), (0.05, 0.03)]);
 }
 
 /// tanh by exponentials; v_s = 0.6 rad/s.
@@ -193,10 +180,7 @@ fn saturating(velocity_rad_s: f64) -> Value {
 
 #[test]
 fn a_saturation_velocity_is_recovered() {
-    let recordings = record(levelling_off);
-    let begin = model(named("absent"), named("sign"), saturating(8.0), &[]);
-    let (_, calibration) = fit(&begin, &recordings);
-    shapes(&calibration).iter().for_each(|s| recovered(s, 0.6, 0.02));
+    recovers(levelling_off, &model(named("absent"), named("sign"), saturating(8.0), &[]), &[(0.6, 0.02)]);
 }
 
 #[test]
@@ -241,7 +225,7 @@ fn a_shape_that_the_recording_denies_ends_at_its_bound_and_says_so() {
 #[test]
 fn a_model_without_shapes_is_calibrated_as_ever() {
     let recordings = record(levelling_off);
-    let plain = model(named("constant"), named("sign"), json!({ "model": "polynomial", "powers": [1] }), &[]);
+    let plain = model(named("constant"), named("sign"), linear(), &[]);
     let (same, calibration) = fit(&plain, &recordings);
     assert!(calibration.shape_fit.is_none());
     assert_eq!(same.parameters(), plain.parameters());

@@ -33,6 +33,18 @@ pub fn named(name: &str) -> Value {
     json!({ "model": name })
 }
 
+/// Viscous friction in proportion to velocity.
+pub fn linear() -> Value {
+    json!({ "model": "polynomial", "powers": [1] })
+}
+
+/// A level that grows with the load, smoothed at rest, and viscous friction on both joints.
+pub fn load_dependent_friction() -> [Friction; 2] {
+    [1.0, 0.6].map(|scale| -> Friction {
+        Box::new(move |[_, v, _], load| scale * ((2.0 + 0.1 * load.abs()) * (v / 1e-3).tanh() + 3.0 * v))
+    })
+}
+
 /// Amplitudes in rad and frequencies in Hz of the motion of a joint.
 pub type Sines = &'static [(f64, f64, f64)];
 

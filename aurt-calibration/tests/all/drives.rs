@@ -1,7 +1,9 @@
-//! Simulations with answers on paper, and estimates of what was simulated.
+//! Arms with drives: simulations with answers on paper, estimates of what was simulated, and what armature and damping stand
+//! for where delay and dry friction are left out.
 
 use aurt_calibration::drives::{
-    DriveError, DriveRecording, DrivenArm, DrivenJoint, Floor, Mechanics, Options, Selection, output_error,
+    DriveError, DriveRecording, DrivenArm, DrivenJoint, Floor, Mechanics, Options, Selection, absorbed,
+    output_error,
 };
 use aurt_friction::drives::{PositionServo, TorqueDrive, VoltageDrive};
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
@@ -9,18 +11,46 @@ use aurt_traits::{CommandSignal, DriveModel};
 
 const UPRIGHT: [f64; 3] = [0.0, 0.0, -9.81];
 
+const QUARTER_RAD: f64 = std::f64::consts::FRAC_PI_2;
+
+fn driven(
+    joints: Vec<Joint>,
+    standard_parameters: Vec<f64>,
+    drives: Vec<(Box<dyn DriveModel>, Mechanics)>,
+    command: CommandSignal,
+) -> DrivenArm {
+    let chain = SerialChain::new(joints, UPRIGHT).unwrap();
+    let joints = drives.into_iter().map(|(drive, mechanics)| DrivenJoint { drive, mechanics }).collect();
+    DrivenArm { chain, standard_parameters, joints, floor: None, command }
+}
+
 /// A mass of 2 kg that slides along x, driven by a force.
 fn slide(mechanics: Mechanics, drive: Box<dyn DriveModel>) -> DrivenArm {
-    let placement = Placement::from_roll_pitch_yaw([0.0; 3], [0.0, std::f64::consts::FRAC_PI_2, 0.0]);
-    let chain = SerialChain::new(vec![Joint::prismatic(placement)], UPRIGHT).unwrap();
+    let placement = Placement::from_roll_pitch_yaw([0.0; 3], [0.0, QUARTER_RAD, 0.0]);
     let mechanics = Mechanics { rotor_inertia_kg_m2: 2.0, ..mechanics };
-    DrivenArm {
-        chain,
-        standard_parameters: vec![0.0; 10],
-        joints: vec![DrivenJoint { drive, mechanics }],
-        floor: None,
-        command: CommandSignal::Linear,
-    }
+    driven(vec![Joint::prismatic(placement)], vec![0.0; 10], vec![(drive, mechanics)], CommandSignal::Linear)
+}
+
+/// Servos with a rod on each shaft, in a vertical plane.
+fn servos(mass_kg: f64, bend_kg_m2: f64, drives: Vec<(PositionServo, Mechanics)>) -> DrivenArm {
+    let turned = Placement::from_roll_pitch_yaw([0.0; 3], [QUARTER_RAD, 0.0, 0.0]);
+    let beyond = Placement::from_roll_pitch_yaw([0.2, 0.0, 0.0], [0.0; 3]);
+    let joints = [turned, beyond].into_iter().take(drives.len()).map(Joint::revolute).collect();
+    let inertia_at_com_kg_m2 = [1e-5, 0.0, 0.0, bend_kg_m2, 0.0, bend_kg_m2];
+    let rod = LinkBody { mass_kg, com_m: [0.1, 0.0, 0.0], inertia_at_com_kg_m2 };
+    let standard = vec![rod.standard_parameters(); drives.len()].concat();
+    let boxed = |(drive, mechanics)| -> (Box<dyn DriveModel>, _) { (Box::new(drive), mechanics) };
+    driven(joints, standard, drives.into_iter().map(boxed).collect(), CommandSignal::Hold)
+}
+
+fn selected(keys: &[&str]) -> Selection {
+    let estimate = keys.iter().map(|key| (*key).to_owned()).collect();
+    Selection { estimate, ..Selection::default() }
+}
+
+/// Positions are known to a milliradian.
+fn options() -> Options {
+    Options { deviation_rad: 1e-3, ..Options::default() }
 }
 
 fn recorded(rate_hz: f64, seconds: f64, command: &dyn Fn(f64) -> Vec<f64>, start: &[f64]) -> DriveRecording {
@@ -38,36 +68,19 @@ fn recorded(rate_hz: f64, seconds: f64, command: &dyn Fn(f64) -> Vec<f64>, start
 
 /// Two servos under gravity: a shoulder and an elbow.
 fn arm() -> DrivenArm {
-    let turned = Placement::from_roll_pitch_yaw([0.0; 3], [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
-    let beyond = Placement::from_roll_pitch_yaw([0.2, 0.0, 0.0], [0.0; 3]);
-    let chain = SerialChain::new(vec![Joint::revolute(turned), Joint::revolute(beyond)], UPRIGHT).unwrap();
-    let rod = LinkBody {
-        mass_kg: 0.2,
-        com_m: [0.1, 0.0, 0.0],
-        inertia_at_com_kg_m2: [1e-5, 0.0, 0.0, 7e-4, 0.0, 7e-4],
+    let mechanics = Mechanics {
+        rotor_inertia_kg_m2: 0.01,
+        coulomb_nm: 0.06,
+        coulomb_per_load: 0.1,
+        ..Mechanics::default()
     };
-    let joint = |gain: f64| DrivenJoint {
-        drive: Box::new(PositionServo {
-            gain_nm_per_rad: gain,
-            back_emf_nm_s_per_rad: 0.4,
-            delay_s: 0.03,
-            ..PositionServo::default()
-        }),
-        mechanics: Mechanics {
-            rotor_inertia_kg_m2: 0.01,
-            coulomb_nm: 0.06,
-            coulomb_per_load: 0.1,
-            ..Mechanics::default()
-        },
+    let servo = |gain_nm_per_rad: f64| PositionServo {
+        gain_nm_per_rad,
+        back_emf_nm_s_per_rad: 0.4,
+        delay_s: 0.03,
+        ..PositionServo::default()
     };
-    let standard = rod.standard_parameters();
-    DrivenArm {
-        chain,
-        standard_parameters: [standard, standard].concat(),
-        joints: vec![joint(12.0), joint(8.0)],
-        floor: None,
-        command: CommandSignal::Hold,
-    }
+    servos(0.2, 7e-4, vec![(servo(12.0), mechanics), (servo(8.0), mechanics)])
 }
 
 fn waves(t: f64) -> Vec<f64> {
@@ -153,13 +166,8 @@ fn what_was_simulated_is_estimated_within_its_deviations() {
         j.mechanics.rotor_inertia_kg_m2 = 0.015;
     });
     let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
-    let selection = Selection {
-        estimate: keys.map(str::to_owned).to_vec(),
-        shared: vec!["delay_s".to_owned()],
-        deviations: Vec::new(),
-    };
-    let options = Options { deviation_rad: 1e-3, ..Options::default() };
-    let fit = output_error(&start, &selection, &recordings, &options).unwrap();
+    let selection = Selection { shared: vec!["delay_s".to_owned()], ..selected(&keys) };
+    let fit = output_error(&start, &selection, &recordings, &options()).unwrap();
     assert!(fit.converged, "{fit:?}");
     assert!(fit.rms_rad.iter().flatten().all(|r| *r < 7e-4), "{:?}", fit.rms_rad);
     let names = truth.names();
@@ -203,11 +211,10 @@ fn held_commands_are_estimated_as_held() {
     let mut start = truth.clone();
     start.joints[0].drive = Box::new(PositionServo { torque_limit_nm: 3.0, ..PositionServo::default() });
     let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "torque_limit_nm"];
-    let selection = Selection { estimate: keys.map(str::to_owned).to_vec(), ..Selection::default() };
-    let options = Options { deviation_rad: 1e-3, ..Options::default() };
+    let selection = selected(&keys);
     let fit = |command| {
         let arm = DrivenArm { command, ..start.clone() };
-        let fit = output_error(&arm, &selection, std::slice::from_ref(&recording), &options).unwrap();
+        let fit = output_error(&arm, &selection, std::slice::from_ref(&recording), &options()).unwrap();
         (fit.numbers.iter().map(|n| n.value).collect::<Vec<_>>(), fit.rms_rad[0][0])
     };
     let (held, rms) = fit(CommandSignal::Hold);
@@ -247,10 +254,8 @@ fn a_limited_reference_tells_its_delay() {
     let mut start = truth.clone();
     let off = PositionServo { delay_s: 0.02, speed_limit_rad_s: 6.0, ..servo };
     start.joints[0].drive = Box::new(off);
-    let estimate = ["delay_s", "speed_limit_rad_s"].map(str::to_owned).to_vec();
-    let selection = Selection { estimate, ..Selection::default() };
-    let options = Options { deviation_rad: 1e-3, ..Options::default() };
-    let fit = output_error(&start, &selection, std::slice::from_ref(&recording), &options).unwrap();
+    let selection = selected(&["delay_s", "speed_limit_rad_s"]);
+    let fit = output_error(&start, &selection, std::slice::from_ref(&recording), &options()).unwrap();
     let [delay, limit] = [0, 1].map(|k| fit.numbers[k].value);
     assert!((delay - 0.013).abs() < 3e-4 && (limit / 4.8 - 1.0).abs() < 0.01, "{delay} {limit}");
 }
@@ -262,10 +267,8 @@ fn what_is_given_widens_what_is_estimated() {
     let mut recording = recorded(50.0, 12.0, &waves, &[0.0, 0.0]);
     recording.position_rad = truth.rollout(&recording).unwrap();
     let deviation = |deviations: Vec<(String, f64)>| {
-        let selection =
-            Selection { estimate: vec!["gain_nm_per_rad_0".to_owned()], deviations, ..Selection::default() };
-        let options = Options { deviation_rad: 1e-3, ..Options::default() };
-        let fit = output_error(&truth, &selection, std::slice::from_ref(&recording), &options).unwrap();
+        let selection = Selection { deviations, ..selected(&["gain_nm_per_rad_0"]) };
+        let fit = output_error(&truth, &selection, std::slice::from_ref(&recording), &options()).unwrap();
         fit.numbers[0].deviation / fit.numbers[0].value
     };
     let of_mass = |share: f64| deviation(vec![("mass_scale".to_owned(), share)]);
@@ -308,9 +311,9 @@ fn pieces_find_what_an_open_loop_drifts_away_from() {
         coulomb_nm: 0.5,
         ..Mechanics::default()
     };
-    let estimate = ["rotor_inertia_kg_m2", "viscous_nm_s_per_rad", "coulomb_nm"].map(str::to_owned).to_vec();
-    let deviations = estimate.iter().map(|key| (key.clone(), 5.0)).collect();
-    let selection = Selection { estimate, deviations, ..Selection::default() };
+    let estimated = ["rotor_inertia_kg_m2", "viscous_nm_s_per_rad", "coulomb_nm"];
+    let deviations = estimated.map(|key| (key.to_owned(), 5.0)).to_vec();
+    let selection = Selection { deviations, ..selected(&estimated) };
     let options = Options { deviation_rad: 1e-4, piece_s: Some(2.0), ..Options::default() };
     let fit = output_error(&start, &selection, &[recording], &options).unwrap();
     for (number, truth) in fit.numbers.iter().zip([2.0, 4.0, 1.0]) {
@@ -323,8 +326,7 @@ fn numbers_that_are_one_column_are_named() {
     let truth = arm();
     let mut recording = recorded(50.0, 8.0, &waves, &[0.0, 0.0]);
     recording.position_rad = truth.rollout(&recording).unwrap();
-    let estimate = ["back_emf_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
-    let selection = Selection { estimate, ..Selection::default() };
+    let selection = selected(&["back_emf_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"]);
     let fit = output_error(&truth, &selection, &[recording], &Options::default()).unwrap();
     let said = fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert_eq!(said.len(), 1);
@@ -338,7 +340,7 @@ fn numbers_that_are_one_column_are_named() {
 fn mistakes_are_detected() {
     let arm = arm();
     let good = recorded(50.0, 1.0, &waves, &[0.0, 0.0]);
-    let select = |key: &str| Selection { estimate: vec![key.to_owned()], ..Selection::default() };
+    let select = |key| selected(&[key]);
     let of = |selection: &Selection, recording: &DriveRecording| {
         output_error(&arm, selection, std::slice::from_ref(recording), &Options::default()).unwrap_err()
     };
@@ -355,4 +357,38 @@ fn mistakes_are_detected() {
     let text = serde_json::to_string(&arm).unwrap();
     let back: DrivenArm = serde_json::from_str(&text).unwrap();
     assert_eq!(back.numbers(), arm.numbers());
+}
+
+#[test]
+fn armature_and_damping_stand_for_the_delay_and_dry_friction_that_are_left_out() {
+    let servo = |delay_s: f64, coulomb_nm: f64| {
+        let drive = PositionServo {
+            gain_nm_per_rad: 10.0,
+            back_emf_nm_s_per_rad: 0.4,
+            delay_s,
+            ..PositionServo::default()
+        };
+        let mechanics = Mechanics { rotor_inertia_kg_m2: 0.01, coulomb_nm, ..Mechanics::default() };
+        servos(0.1, 3e-4, vec![(drive, mechanics)])
+    };
+    let truth = servo(0.03, 0.06);
+    let command = |t: f64| vec![0.4 * (1.3 * t).sin() + 0.15 * (6.1 * t).sin()];
+    let mut recordings = [recorded(50.0, 20.0, &command, &[0.0])];
+    recordings[0].position_rad = truth.rollout(&recordings[0]).unwrap();
+    let selection = selected(&["gain_nm_per_rad", "rotor_inertia_kg_m2", "back_emf_nm_s_per_rad"]);
+    let kept = output_error(&servo(0.0, 0.0), &selection, &recordings, &options()).unwrap();
+    let parts = absorbed(&kept.arm, &selection, &truth, &recordings, &options()).unwrap();
+    let change = |key: &str, name: &str| {
+        let part = parts.iter().find(|p| p.key == key).unwrap();
+        part.changes.iter().find(|c| c.0 == name).unwrap().1
+    };
+    let number = |name: &str| kept.numbers.iter().find(|n| n.name == name).unwrap().value;
+    // A servo that is late by T lags like one with K_p T more damping, and is as slow as one with more inertia.
+    let [armature, damping] = ["rotor_inertia_kg_m2_0", "back_emf_nm_s_per_rad_0"];
+    assert!((change("delay_s", damping) - 10.0 * 0.03).abs() < 0.05, "{parts:?}");
+    assert!(number(armature) > 2.0 * 0.01 && change("delay_s", armature) > 0.5 * (number(armature) - 0.01));
+    let split = change("delay_s", damping) + change("coulomb_nm", damping);
+    assert!((split - (number(damping) - 0.4)).abs() < 0.02, "{split} {}", number(damping));
+    assert!(change("coulomb_nm", damping) > 0.05);
+    assert_eq!(parts.len(), 2, "what both have alike absorbs nothing: {parts:?}");
 }
