@@ -37,9 +37,7 @@ pub enum Law {
         driven: f64,
     },
     /// −size · ln(1 + t/t₀) times the joint's own friction.
-    TemperatureDependentFriction {
-        origin_s: f64,
-    },
+    TemperatureDependentFriction { origin_s: f64 },
     /// size times the joint's own Coulomb friction, and `viscous` times as much of its viscous friction.
     FrictionLevelChanged {
         /// Relative change of viscous over that of Coulomb friction.
@@ -85,9 +83,7 @@ pub enum Law {
         phase_rad: f64,
     },
     /// M(q) e_j (R − 1) q̈_j with the resonator R of a joint of stiffness 1/size and the arm's mean inertia.
-    JointElasticity {
-        damping_ratio: f64,
-    },
+    JointElasticity { damping_ratio: f64 },
     /// The measurement times 1/(1 + size).
     TorqueConstant,
     /// size.
@@ -100,9 +96,7 @@ pub enum Law {
         peak: f64,
     },
     /// Rows missing, and rows that repeat the one before, in bursts, size of them all.
-    DroppedSamples {
-        seed: u64,
-    },
+    DroppedSamples { seed: u64 },
     /// Jᵀ F in a window, |F| = size.
     ExternalContact {
         /// The link that is touched, at its frame's origin.
