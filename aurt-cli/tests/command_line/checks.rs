@@ -251,7 +251,6 @@ fn an_axis_that_slides_has_a_rest_and_units_of_its_own() {
     for axis in ["velocity [m/s]", "position [rad]", "force [N]", "torque [Nm]"] {
         assert!(page.contains(axis), "{axis}");
     }
-    folder.run("export out/rd_calibrated.json --fmu arm.fmu --sources fmu").succeeded();
     let parameters = folder.read("out/calibrated_parameters.csv");
     for (parameter, unit, truth) in [("F_C0_1", "Nm", 3.0), ("F_C0_2", "N", 12.0), ("F_v1_2", "N s/m", 60.0)]
     {
