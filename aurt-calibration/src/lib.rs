@@ -47,7 +47,9 @@ pub use excitation::{badly_excited, hardly_excited};
 pub use gains::{Decided, Gain, Gains, GainsError, GainsOf, KnownLoad, decidable_gains, estimate_gains};
 pub use linear::condition_number;
 pub use long::{calibrate_long, validate_long};
-pub use options::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, SLIDE_LEVER_M};
+pub use options::{
+    CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, SLIDE_LEVER_M, speed_of,
+};
 pub use recursive::{
     Baseline, ChangePoint, Chart, Cusum, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter,
     DriftReference, DriftWindow, LeftOut, MIN_WINDOWS, Tracker, average_run_length, drift_windows,

@@ -111,11 +111,16 @@ const fn yes() -> bool {
     true
 }
 
+/// The speed of a joint that compares with one of joints that turn: in m/s, at [`SLIDE_LEVER_M`] from an axis, where it slides.
+pub fn speed_of(bodies: &dyn RigidBodyRegressor, joint: usize, turning_rad_s: f64) -> f64 {
+    if bodies.slides(joint) { SLIDE_LEVER_M * turning_rad_s } else { turning_rad_s }
+}
+
 impl CalibrationOptions {
     /// At and below this |q̇_j| a joint rests, in rad/s, and in m/s where it slides: there, what 0.1 m away from an axis moves at
     /// [`Self::rest_velocity_rad_s`], the length of a short link.
     pub fn rest_velocity(&self, bodies: &dyn RigidBodyRegressor, joint: usize) -> f64 {
-        if bodies.slides(joint) { SLIDE_LEVER_M * self.rest_velocity_rad_s } else { self.rest_velocity_rad_s }
+        speed_of(bodies, joint, self.rest_velocity_rad_s)
     }
 
     /// [`Self::rest_velocity`] of each joint.

@@ -36,15 +36,15 @@ impl MeasurementUnit {
     /// assert_eq!(NewtonMetre.express("kg m^2"), "kg m^2");
     /// assert_eq!(Ampere.express("Nm s/rad"), "A s/rad");
     /// assert_eq!(Ampere.express("kg m^2"), "A/Nm kg m^2");
-    /// assert_eq!(Ampere.express("rad"), "rad");
+    /// assert_eq!(Ampere.express("rad/s"), "rad/s");
     /// ```
     pub fn express(self, unit: &str) -> String {
         match self {
             Self::NewtonMetre => unit.to_owned(),
             Self::Ampere if unit.contains("Nm") => unit.replace("Nm", "A"),
-            // A ratio and an angle scale nothing that is measured.
-            Self::Ampere if matches!(unit, "1" | "rad") => unit.to_owned(),
-            Self::Ampere => format!("A/Nm {unit}"),
+            // Masses and inertias are known as far as the torque per ampere is; motions and ratios are.
+            Self::Ampere if unit.contains("kg") => format!("A/Nm {unit}"),
+            Self::Ampere => unit.to_owned(),
         }
     }
 

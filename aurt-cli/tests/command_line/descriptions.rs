@@ -20,11 +20,11 @@ fn recorded() -> (Folder, Robot) {
     let folder = Folder::new();
     let mut robot = Robot::named("ur10e").unwrap();
     robot.drives.iter_mut().for_each(|drive| drive.load_coefficient = 0.0);
-    for (name, seed) in [("first", 3), ("second", 4)] {
-        let scenario = format!(
-            "robot = 'ur10e'\nseed = {seed}\n[motion]\nkind = 'multi_sine'\nduration_s = 20.0\nharmonics = 5\n\
-             top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 125\n"
-        );
+    let sines = "kind = 'multi_sine'\nduration_s = 20.0\nharmonics = 5\ntop_hz = 0.8\nshare = 0.5";
+    let stops = "kind = 'point_to_point'\nduration_s = 40.0\nshare = 0.5\nrest_s = 1.0";
+    for (name, seed, motion) in [("first", 3, sines), ("second", 4, sines), ("stops", 5, stops)] {
+        let scenario =
+            format!("robot = 'ur10e'\nseed = {seed}\n[motion]\n{motion}\n[logger]\nrate_hz = 125\n");
         let drives = (0..6).map(|j| format!("[[drive]]\njoint = {j}\nload_coefficient = 0.0\n"));
         folder.write("scenario.toml", &drives.fold(scenario, |text, drive| text + &drive));
         let out = format!("{name}.csv");
@@ -130,6 +130,14 @@ fn a_description_without_friction_lacks_friction_and_one_with_all_lacks_nothing(
     assert_eq!(joints(&["friction_level_changed"]), [0, 1, 2, 3, 4, 5], "{effects:?}");
     assert_eq!(joints(&["rotor_inertia", "payload"]), [0, 1, 2, 3, 4, 5], "{effects:?}");
     assert_eq!(joints(&["base_tilt", "torque_constant"]), [0; 0], "{effects:?}");
+    // An arm that stands holds as much by the friction that the file lacks: no force from outside does.
+    let experiment = folder.read("experiment.toml");
+    folder.write("experiment.toml", &experiment.replacen("['first.csv']", "['stops.csv']", 1));
+    let (of_stops, verdict) = lack(&folder, "bare.urdf");
+    assert!(of_stops.iter().any(|(e, _)| e == "friction_level_changed"), "{of_stops:?}");
+    assert!(of_stops.iter().all(|(e, _)| e != "external_contact"), "{verdict}");
+    folder.write("experiment.toml", &experiment);
+    lack(&folder, "bare.urdf");
     // What the experiment's own structure has is not added to it again.
     let improved = folder.read("bare.urdf.out/improved.toml");
     assert!(improved.contains("rotor_inertia") && !improved.contains("joint_friction"), "{improved}");

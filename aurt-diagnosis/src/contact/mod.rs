@@ -61,8 +61,6 @@ pub struct ContactOptions {
     pub score: f64,
     /// Least distinction.
     pub distinction: f64,
-    /// A joint rests at and below this speed, rad/s; then the sign of its friction is unknown.
-    pub rest_velocity_rad_s: f64,
     /// Rows this near to a reversal are left out, s: filters smear what happens there.
     pub margin_s: f64,
     /// Largest number of contacts.
@@ -72,7 +70,7 @@ pub struct ContactOptions {
 impl ContactOptions {
     /// The defaults for dynamics up to `f_dyn_hz`.
     pub fn new(f_dyn_hz: f64) -> Self {
-        Self { score: 50.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
+        Self { score: 50.0, distinction: 2.7, margin_s: 0.5 / f_dyn_hz, most: 4 }
     }
 }
 
@@ -140,7 +138,8 @@ fn usable_rows(recording: &ContactRows<'_>, options: &ContactOptions) -> Vec<Vec
             let n = rows.rows();
             let mut usable = vec![true; n];
             let mut spoil = |from: usize, to: usize| usable[from.min(n)..to.min(n)].fill(false);
-            let slow = |v: &f64| v.abs() <= options.rest_velocity_rad_s;
+            // At rest the sign of friction is unknown.
+            let slow = |v: &f64| v.abs() <= joint.rest_velocity;
             for (k, v) in joint.velocity_rad_s.iter().enumerate() {
                 let reversed = k > 0 && v * joint.velocity_rad_s[k - 1] < 0.0;
                 if slow(v) || reversed {

@@ -85,6 +85,7 @@ fn rows(seed: u64) -> RecordingRows {
                 measurement: vec![0.0; n],
                 position_rad: time_s.iter().map(|t| size * (w * t + phase).sin()).collect(),
                 velocity_rad_s: time_s.iter().map(|t| size * w * (w * t + phase).cos()).collect(),
+                rest_velocity: 0.03,
                 ..JointRows::default()
             }
         })

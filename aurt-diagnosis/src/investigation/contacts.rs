@@ -97,6 +97,7 @@ impl Parts<'_> {
         &self,
         model: &RobotModel,
         baseline: &Baseline,
+        moving: &[RecordingRows],
         selected: &Selected,
     ) -> Result<Vec<Contact>, DiagnosisError> {
         let mut found = Vec::new();
@@ -122,12 +123,13 @@ impl Parts<'_> {
             if recording.role == Role::Validation || recording.simulated.is_some() {
                 continue;
             }
-            let at_rest = self.at_rest(model, selected, &coefficients, recording.role);
+            // Of a given model all recordings are targets.
+            let role = moving[r].role;
+            let at_rest = self.at_rest(model, selected, &coefficients, role);
             // Rows of all columns are what a diagnosis holds most of; these need few.
             let wanted = |c: usize| {
                 c >= self.layout.first_instrument || at_rest.get(c).is_some_and(|value| *value != 0.0)
             };
-            let role = recording.role;
             let standing = RecordingRows::evaluate_standing(name, role, data, (model, &load), &own, &wanted)?;
             let Some(mut standing) = standing else { continue };
             let end = self.partition.end_of_fit[r].min(standing.rows());
@@ -145,10 +147,13 @@ impl Parts<'_> {
             }
             let rows = standing.part(0..end);
             // Laws that were selected beside the model's own level take part of it over, and hold at rest as well.
-            let level =
-                |j: usize, of: &[f64]| OwnFriction::of(self.question.model, j, of).coulomb_nm.max(0.0);
+            let level = |j: usize, of: &[f64]| OwnFriction::of(self.question.model, j, of).coulomb_nm;
             let friction_nm: Vec<f64> = (0..rows.joints.len())
-                .map(|j| level(j, &coefficients).max(level(j, &baseline.coefficients)))
+                .map(|j| {
+                    let selected =
+                        level(j, &coefficients) + self.creeping_friction(moving, selected, j, role);
+                    selected.max(level(j, &baseline.coefficients)).max(0.0)
+                })
                 .collect();
             let forces = force_columns(&**self.question.model.rigid_body(), &rows)?;
             let view = StandingRows {
@@ -165,6 +170,36 @@ impl Parts<'_> {
             );
         }
         Ok(found)
+    }
+
+    /// Torque by which the friction that was selected brakes a joint in its slowest tenth of rows, the median over recordings of a role:
+    /// as much holds at rest, whichever law it is. 0 without such friction.
+    fn creeping_friction(
+        &self,
+        rows: &[RecordingRows],
+        selected: &Selected,
+        joint: usize,
+        role: Role,
+    ) -> f64 {
+        let chosen = selected.selection.chosen.iter().map(|c| &selected.groups[c.group]);
+        let laws: Vec<&Switch> = chosen.filter(|g| g.effect.is_friction).flat_map(|g| &g.switches).collect();
+        let of_law =
+            |switch: &Switch| laws.contains(&switch) && (!switch.target_only || role == Role::Target);
+        let fitted = selected.fitted.switches.iter().zip(&selected.fitted.fit.coefficients);
+        let place = |switch: &Switch| self.layout.rows[joint].iter().position(|c| *c == switch.column);
+        let columns: Vec<(usize, f64)> =
+            fitted.filter(|(s, _)| of_law(s)).filter_map(|(s, value)| Some((place(s)?, *value))).collect();
+        let mut braking: Vec<[f64; 2]> = Vec::new();
+        for joint in rows.iter().filter(|r| r.role == role).map(|r| &r.joints[joint]) {
+            for (k, v) in joint.velocity_rad_s.iter().enumerate().filter(|(k, _)| joint.counts[*k]) {
+                let torque: f64 = columns.iter().map(|(c, value)| value * joint.column(*c)[k]).sum();
+                braking.push([v.abs(), torque * v.signum()]);
+            }
+        }
+        braking.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut slowest: Vec<f64> = braking[..braking.len().div_ceil(10)].iter().map(|b| b[1]).collect();
+        let middle = slowest.len() / 2;
+        if slowest.is_empty() { 0.0 } else { *slowest.select_nth_unstable_by(middle, f64::total_cmp).1 }
     }
 
     /// Coefficients of the torque of an arm that stands: rigid bodies, loads, springs and offsets, no friction.

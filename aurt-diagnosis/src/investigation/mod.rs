@@ -410,7 +410,7 @@ fn examine(
             .map(|s| RINGS_PERIODS / s.frequency_hz)
             .fold(0.0, f64::max);
         (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
-        contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
+        contacts.extend(parts.standing_contacts(&model, &baseline, &rows, &selected)?);
     }
     progress("refining effects that depend on the model's torque");
     if parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)? {

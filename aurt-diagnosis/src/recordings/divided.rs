@@ -98,6 +98,7 @@ impl RecordingRows {
             velocity_rad_s: joint.velocity_rad_s[span.clone()].to_vec(),
             acceleration_rad_s2: joint.acceleration_rad_s2[span.clone()].to_vec(),
             counts: joint.counts[span.clone()].to_vec(),
+            rest_velocity: joint.rest_velocity,
         };
         Self {
             name: self.name.clone(),
@@ -118,6 +119,7 @@ impl RecordingRows {
             velocity_rad_s: joint.velocity_rad_s.clone(),
             acceleration_rad_s2: joint.acceleration_rad_s2.clone(),
             counts: joint.counts.clone(),
+            rest_velocity: joint.rest_velocity,
         };
         Self {
             name: self.name.clone(),
@@ -179,6 +181,7 @@ mod tests {
             velocity_rad_s: series.clone(),
             acceleration_rad_s2: series.clone(),
             counts: vec![true; count],
+            rest_velocity: 0.0,
         };
         RecordingRows {
             name: "r.csv".into(),

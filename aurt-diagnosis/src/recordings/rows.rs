@@ -1,4 +1,4 @@
-use aurt_calibration::{Rest, for_each_row_block, for_each_tile};
+use aurt_calibration::{Rest, for_each_row_block, for_each_tile, speed_of};
 use aurt_recording::{DecimatedTile, Preprocessed, Segment};
 use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
@@ -116,6 +116,8 @@ pub struct JointRows {
     /// Whether each row counts: it does not while the joint stands, where the sign of its velocity is that of
     /// noise. Rows that do not count are zero.
     pub counts: Vec<bool>,
+    /// The joint stands where it stays below this |q̇|, rad/s, or m/s of one that slides.
+    pub rest_velocity: f64,
 }
 
 impl RecordingRows {
@@ -157,8 +159,9 @@ impl RecordingRows {
         baseline: &Fit<'_>,
         wanted: &dyn Fn(usize) -> bool,
     ) -> Result<Option<Self>, DiagnosisError> {
-        let stands: Vec<Vec<bool>> =
-            (0..model.joints()).map(|j| stands(&velocity(data, j), row_rate_hz(data))).collect();
+        let rest = |j| speed_of(&**model.rigid_body(), j, STANDING_RAD_S);
+        let of_joint = |j| stands(&velocity(data, j), rest(j), row_rate_hz(data));
+        let stands: Vec<Vec<bool>> = (0..model.joints()).map(of_joint).collect();
         let count = stands.first().map_or(0, Vec::len);
         if !(0..count).any(|k| stands.iter().all(|joint| joint[k])) {
             return Ok(None);
@@ -177,7 +180,8 @@ impl RecordingRows {
     /// Rows of a joint that stands do not count.
     fn of_motion(mut self) -> Self {
         for joint in &mut self.joints {
-            joint.counts = stands(&joint.velocity_rad_s, self.rate_hz).iter().map(|stands| !stands).collect();
+            let stands = stands(&joint.velocity_rad_s, joint.rest_velocity, self.rate_hz);
+            joint.counts = stands.into_iter().map(|stands| !stands).collect();
             joint.silence();
         }
         self
@@ -207,7 +211,8 @@ impl RecordingRows {
             .map(|j| {
                 let columns =
                     model.row_columns(j).iter().filter(|c| wanted(**c)).count() + Instrument::ALL.len();
-                JointRows { data: vec![0.0; rows * columns], ..JointRows::default() }
+                let rest_velocity = speed_of(&**model.rigid_body(), j, STANDING_RAD_S);
+                JointRows { data: vec![0.0; rows * columns], rest_velocity, ..JointRows::default() }
             })
             .collect();
         let mut time_s = Vec::with_capacity(rows);
@@ -277,9 +282,9 @@ fn velocity(data: &Preprocessed, joint: usize) -> Vec<f64> {
 }
 
 /// Where a joint stays below the rest velocity for some time.
-fn stands(velocity_rad_s: &[f64], rate_hz: f64) -> Vec<bool> {
+fn stands(velocity: &[f64], rest_velocity: f64, rate_hz: f64) -> Vec<bool> {
     let shortest = (STANDING_S * rate_hz).ceil().max(2.0) as usize;
-    let slow: Vec<bool> = velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
+    let slow: Vec<bool> = velocity.iter().map(|v| v.abs() < rest_velocity).collect();
     let mut stands = vec![false; slow.len()];
     let mut start = 0;
     while start < slow.len() {
@@ -351,7 +356,7 @@ fn instrument_rows(
     Ok(bank.finish(&mut write)?)
 }
 
-/// A joint stands if it stays below this speed, rad/s …
+/// A joint stands if it stays below this speed ([`speed_of`]), rad/s …
 const STANDING_RAD_S: f64 = 0.03;
 
 /// … for at least this time, s. Reversals are shorter.
@@ -375,7 +380,7 @@ impl JointRows {
     /// Share of the rows in which the joint stands, and which do not count therefore.
     pub(crate) fn standing_share(&self) -> f64 {
         let rows = self.counts.iter().zip(&self.velocity_rad_s);
-        let stands = rows.filter(|(counts, v)| !**counts && v.abs() < STANDING_RAD_S).count();
+        let stands = rows.filter(|(counts, v)| !**counts && v.abs() < self.rest_velocity).count();
         stands as f64 / self.counts.len().max(1) as f64
     }
 

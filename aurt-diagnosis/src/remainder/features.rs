@@ -84,6 +84,7 @@ mod tests {
                 velocity_rad_s: sum(|w, t| w * (w * t).cos()),
                 acceleration_rad_s2: sum(|w, t| -w * w * (w * t).sin()),
                 counts: vec![true; 4000],
+                rest_velocity: 0.0,
                 measurement: vec![0.0; 4000],
                 data: Vec::new(),
             };

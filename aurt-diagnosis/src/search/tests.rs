@@ -58,6 +58,7 @@ fn recording(role: Role, seed: u64, coefficients: &[f64]) -> RecordingRows {
         position_rad: vec![0.0; ROWS],
         acceleration_rad_s2: vec![0.0; ROWS],
         counts: vec![true; ROWS],
+        rest_velocity: 0.0,
         measurement,
         data,
     };

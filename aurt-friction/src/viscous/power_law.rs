@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;
 
-const EXPONENT: Shape = Shape::logarithmic("exponent", "-", 1.2, 4.0);
+const EXPONENT: Shape = Shape::logarithmic("exponent", "1", 1.2, 4.0);
 
 /// Viscous friction in proportion to a power of velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

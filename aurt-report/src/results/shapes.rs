@@ -25,7 +25,10 @@ pub fn to_text(report: &ShapeReport, names: RobotNames<'_>) -> String {
             owner,
             shape.model.clone(),
             shape.name.clone(),
-            format!("{} {}", significant(shape.value, 4), shape.unit),
+            match shape.unit.as_str() {
+                "1" => significant(shape.value, 4),
+                unit => format!("{} {unit}", significant(shape.value, 4)),
+            },
             interval,
             format!("{}/{}", shape.agreeing_starts, report.starts),
         ]);
