@@ -9,7 +9,7 @@
 //! that [`register_model!`](crate::register_model) lists.
 //!
 //! # What can be in a library
-//! Models of every [`Slot`](crate::Slot): Coulomb, hysteresis, viscous models and arm terms.
+//! Models of every [`Slot`]: Coulomb, hysteresis, viscous models and arm terms.
 //! [`RigidBodyRegressor`](crate::RigidBodyRegressor) cannot: its kernel writes tiles that are shared with the host, and
 //! base parameters, forward dynamics and simulation all lean on it. An arm term in a library is therefore not given
 //! the robot's rigid bodies either.

@@ -108,7 +108,7 @@ const CLASSES: usize = 16;
 pub fn measured_axis(quantity: Option<&str>, measured: MeasurementUnit, slides: bool) -> Axis {
     let is_force = slides && measured == MeasurementUnit::NewtonMetre;
     let own = if is_force { "force" } else { measured.quantity() };
-    Axis::new(quantity.unwrap_or(own), &measured.express_of_joint("Nm", slides))
+    Axis::new(quantity.unwrap_or(own), measured.express_of_joint("Nm", slides))
 }
 
 /// Residuals of a joint over its velocity, position, load torque, acceleration and time, `x` in this order, folded under the joint's
