@@ -237,6 +237,7 @@ fn list(names: &[String]) -> String {
     text
 }
 
+/// Bytes in MB, rounded up.
 const fn megabytes(bytes: u64) -> u64 {
     bytes.div_ceil(1_000_000)
 }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// Which trait a registered model implements, and so where an experiment may name it; the plugin ABI carries its number.
+/// The trait that a registered model implements, and so the place where an experiment may name it. The plugin ABI carries its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Slot {

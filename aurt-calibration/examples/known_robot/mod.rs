@@ -126,7 +126,7 @@ impl KnownRobot {
         calibrate(&self.model, recordings, MeasurementUnit::NewtonMetre, F_DYN_HZ, &options).unwrap()
     }
 
-    /// Whether the interval of each coefficient holds the truth.
+    /// True for each coefficient whose interval contains the truth.
     pub fn held(&self, found: &Calibration) -> Vec<bool> {
         let intervals = found.parameters.iter().map(|p| p.interval_95.unwrap());
         intervals.zip(&self.truth).map(|([low, high], truth)| (low..=high).contains(truth)).collect()

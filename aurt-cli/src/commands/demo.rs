@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::Session;
 use super::diagnose::Diagnose;
-use super::run::Written;
+use super::run::RunFiles;
 use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
@@ -46,7 +46,7 @@ impl Demo {
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let outcome = fit_experiment(&experiment, &session.terminal.progress(3 * count + 2))?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
-        let results = Written::new("demo", &experiment, &outcome, session.terminal.style())?;
+        let results = RunFiles::new("demo", &experiment, &outcome, session.terminal.style())?;
         let mut report = results.write(outcome, &folder, None)?;
         let title = session.terminal.emphasise(Emphasis::Title, "estimated and true");
         let table = table(&compared);

@@ -84,7 +84,7 @@ impl Run {
                 .map_err(|failure| failure.of_value_in(&experiment.path))?;
             drop(progress);
             let style = session.terminal.style();
-            return Written::new("run", &experiment, &outcome, style)?.write(
+            return RunFiles::new("run", &experiment, &outcome, style)?.write(
                 outcome,
                 &folder,
                 plots.as_ref(),
@@ -100,7 +100,7 @@ impl Run {
         let style = session.terminal.style();
         let (doubts, results) = rayon::join(
             || doubts(&experiment, &outcome.recordings, recordings, &session.registry),
-            || Written::new("run", &experiment, &outcome, style),
+            || RunFiles::new("run", &experiment, &outcome, style),
         );
         drop(progress);
         let doubts = doubts?;
@@ -123,14 +123,14 @@ pub fn write_drives(command: &str, outcome: DriveOutcome, folder: &OutputFolder)
 }
 
 /// What is written of an outcome beside its predictions, and said of it.
-pub struct Written {
+pub struct RunFiles {
     text: String,
     metrics: Value,
     page: Page,
     files: Vec<(String, Vec<u8>)>,
 }
 
-impl Written {
+impl RunFiles {
     pub fn new(
         command: &str,
         experiment: &Experiment,

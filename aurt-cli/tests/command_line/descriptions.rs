@@ -130,6 +130,10 @@ fn a_description_without_friction_lacks_friction_and_one_with_all_lacks_nothing(
     assert_eq!(joints(&["friction_level_changed"]), [0, 1, 2, 3, 4, 5], "{effects:?}");
     assert_eq!(joints(&["rotor_inertia", "payload"]), [0, 1, 2, 3, 4, 5], "{effects:?}");
     assert_eq!(joints(&["base_tilt", "torque_constant"]), [0; 0], "{effects:?}");
+    // What the experiment's own structure has is not added to it again.
+    let improved = folder.read("bare.urdf.out/improved.toml");
+    assert!(improved.contains("rotor_inertia") && !improved.contains("joint_friction"), "{improved}");
+
     // An arm that stands holds as much by the friction that the file lacks: no force from outside does.
     let experiment = folder.read("experiment.toml");
     folder.write("experiment.toml", &experiment.replacen("['first.csv']", "['stops.csv']", 1));
@@ -137,10 +141,6 @@ fn a_description_without_friction_lacks_friction_and_one_with_all_lacks_nothing(
     assert!(of_stops.iter().any(|(e, _)| e == "friction_level_changed"), "{of_stops:?}");
     assert!(of_stops.iter().all(|(e, _)| e != "external_contact"), "{verdict}");
     folder.write("experiment.toml", &experiment);
-    lack(&folder, "bare.urdf");
-    // What the experiment's own structure has is not added to it again.
-    let improved = folder.read("bare.urdf.out/improved.toml");
-    assert!(improved.contains("rotor_inertia") && !improved.contains("joint_friction"), "{improved}");
 
     folder.write("whole.xml", &mjcf(&robot));
     let (effects, verdict) = lack(&folder, "whole.xml");

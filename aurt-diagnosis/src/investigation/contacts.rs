@@ -12,6 +12,7 @@ use crate::investigation::selecting::{Parts, Selected};
 use crate::recordings::divided::FitRows;
 use crate::recordings::rows::{Fit, RecordingRows, Role};
 use crate::vocabulary::{Family, OwnFriction};
+use aurt_recording::median;
 use aurt_traits::{ColumnGroup, RobotModel};
 
 impl Parts<'_> {
@@ -123,7 +124,7 @@ impl Parts<'_> {
             if recording.role == Role::Validation || recording.simulated.is_some() {
                 continue;
             }
-            // Of a given model all recordings are targets.
+            // Beside a given model all recordings are targets.
             let role = moving[r].role;
             let at_rest = self.at_rest(model, selected, &coefficients, role);
             // Rows of all columns are what a diagnosis holds most of; these need few.
@@ -198,8 +199,7 @@ impl Parts<'_> {
         }
         braking.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut slowest: Vec<f64> = braking[..braking.len().div_ceil(10)].iter().map(|b| b[1]).collect();
-        let middle = slowest.len() / 2;
-        if slowest.is_empty() { 0.0 } else { *slowest.select_nth_unstable_by(middle, f64::total_cmp).1 }
+        if slowest.is_empty() { 0.0 } else { median(&mut slowest) }
     }
 
     /// Coefficients of the torque of an arm that stands: rigid bodies, loads, springs and offsets, no friction.

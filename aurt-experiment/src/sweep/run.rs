@@ -18,7 +18,7 @@ use crate::sweep::{Folder, Plan, Point, PointError, Sweep, SweepError};
 /// What is told while points are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// How many results are there already.
+    /// Number of results that are there already.
     Begin {
         present: usize,
     },
@@ -151,7 +151,7 @@ impl Runner<'_> {
     }
 }
 
-/// What `work` returns, a panic of it being an error.
+/// The result of some work; a panic is an error.
 fn caught<R>(work: impl FnOnce() -> Result<R, PointError>) -> Result<R, PointError> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());

@@ -11,11 +11,21 @@ pub(super) enum Delimiter {
 impl Delimiter {
     /// The separating byte; a space for [`Self::Spaces`].
     pub(super) const fn byte(self) -> u8 {
-        b",;\t "[self as usize]
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+            Self::Spaces => b' ',
+        }
     }
 
     const fn in_words(self) -> &'static str {
-        ["commas", "semicolons", "tabs", "spaces"][self as usize]
+        match self {
+            Self::Comma => "commas",
+            Self::Semicolon => "semicolons",
+            Self::Tab => "tabs",
+            Self::Spaces => "spaces",
+        }
     }
 }
 
@@ -149,6 +159,7 @@ fn unquote(cell: &[u8]) -> &[u8] {
     cell
 }
 
+/// Powers of ten that a double holds exactly.
 const EXACT_POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,

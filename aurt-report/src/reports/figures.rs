@@ -121,13 +121,13 @@ pub fn residuals_over(
     residuals: &[Series<'_>],
 ) -> Block {
     let of_joint = |unit: &str| MeasurementUnit::NewtonMetre.express_of_joint(unit, slides);
-    let unit = &measured.express_of_joint("Nm", slides);
+    let unit = measured.express_of_joint("Nm", slides);
     let coordinates = [
-        ("velocity", &of_joint("rad/s")),
-        ("position", &of_joint("rad")),
-        ("load torque", unit),
-        ("acceleration", &of_joint("rad/s²")),
-        ("time", &"s".to_owned()),
+        ("velocity", of_joint("rad/s")),
+        ("position", of_joint("rad")),
+        ("load torque", unit.clone()),
+        ("acceleration", of_joint("rad/s²")),
+        ("time", "s".to_owned()),
     ];
     let figures = coordinates.into_iter().zip(&x).map(|((coordinate, x_unit), x)| {
         Figure::Plot(Plot {
@@ -135,7 +135,7 @@ pub fn residuals_over(
             name: format!("residual_joint_{joint}_over_{}", coordinate.replace(' ', "_")),
             caption: String::new(),
             x: Axis::new(coordinate, x_unit),
-            panels: vec![residual_panel(x, unit, residuals)],
+            panels: vec![residual_panel(x, &unit, residuals)],
             link: None,
             small: true,
         })

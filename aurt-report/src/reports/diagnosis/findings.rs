@@ -43,8 +43,7 @@ impl Diagnosed<'_> {
         }
         Section::new(
             "What was found",
-            "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
-             confused with.",
+            "aurt explain NAME describes an effect: what it is, how it shows, and what it is easily confused with.",
             blocks,
         )
     }
